@@ -1,0 +1,28 @@
+# regulus_library(NAME SOURCES... LINK...) and regulus_test(NAME SOURCES... LINK...):
+# the warnings, include roots and conventions that all targets share.
+add_library(regulus_options INTERFACE)
+target_include_directories(regulus_options INTERFACE ${CMAKE_SOURCE_DIR}/host ${CMAKE_SOURCE_DIR}/shaders)
+target_compile_options(regulus_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+  -Wno-sign-conversion -ffp-contract=off)
+if(REGULUS_WERROR)
+  target_compile_options(regulus_options INTERFACE -Werror)
+endif()
+
+function(regulus_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${name} STATIC ${ARG_SOURCES})
+  target_link_libraries(${name} PUBLIC regulus_options ${ARG_LINK})
+endfunction()
+
+# A GoogleTest executable `regulus_test_<name>`, registered with ctest under its own name.
+# Labels (for `ctest -L`): DEVICE when the test needs a Vulkan device.
+function(regulus_test name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
+  set(target regulus_test_${name})
+  add_executable(${target} ${ARG_SOURCES})
+  target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main ${ARG_LINK})
+  target_compile_definitions(${target} PRIVATE
+    REGULUS_SOURCE_DIR="${CMAKE_SOURCE_DIR}" REGULUS_ASSETS_DIR="${CMAKE_SOURCE_DIR}/../shared/assets")
+  add_test(NAME ${name} COMMAND ${target} WORKING_DIRECTORY ${CMAKE_BINARY_DIR})
+  set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900)
+endfunction()

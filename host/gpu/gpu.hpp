@@ -1,0 +1,183 @@
+// The Vulkan device layer: device choice, buffers, kernels, command lists with device time per stage.
+// Knows nothing of rendering. Only the .cpp files of this folder include Vulkan headers.
+//
+// Everything is reached by buffer device address: a kernel has push constants and specialization constants,
+// no descriptors.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace regulus::gpu {
+
+enum class DeviceKind { Discrete, Integrated, Virtual, Other, Software };
+
+/// What is known of a Vulkan device before it is opened.
+struct DeviceInfo {
+  uint32_t index = 0;  ///< as printed by `regulus devices`, accepted by --device
+  std::string name;
+  std::string driver;  ///< driver name and version text
+  DeviceKind kind = DeviceKind::Other;
+  uint32_t api_version = 0;            ///< VK_MAKE_API_VERSION encoding
+  std::vector<std::string> missing;    ///< needed features and limits it lacks, one phrase each; empty: usable
+  bool has_int64 = false;              ///< shaderInt64
+  uint32_t subgroup_size = 0;
+  uint64_t heap_bytes = 0;             ///< size of the largest device-local heap
+  uint64_t max_allocation_bytes = 0;   ///< maxMemoryAllocationSize
+  uint32_t max_workgroup_size = 0;
+  double timestamp_ns = 0;             ///< nanoseconds per timestamp tick; 0: no device time
+  bool usable() const { return missing.empty(); }
+};
+
+/// All Vulkan devices, in order of preference: discrete first, software last. Empty if there is no Vulkan
+/// loader or no driver.
+std::vector<DeviceInfo> list_devices();
+
+/// A buffer in device memory, freed with the object. Its contents are reached by `address()`.
+class Buffer {
+ public:
+  Buffer();
+  ~Buffer();
+  Buffer(Buffer&&) noexcept;
+  Buffer& operator=(Buffer&&) noexcept;
+
+  uint64_t size() const;     ///< bytes
+  uint64_t address() const;  ///< device address; 0 for an empty buffer
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+/// A compute pipeline.
+class Kernel {
+ public:
+  Kernel();
+  ~Kernel();
+  Kernel(Kernel&&) noexcept;
+  Kernel& operator=(Kernel&&) noexcept;
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+/// Description of a kernel. `constants` are (specialization id, value) pairs.
+struct KernelDescription {
+  std::string name;  ///< stage name for timings and errors
+  std::span<const uint32_t> spirv;
+  std::vector<std::pair<uint32_t, uint32_t>> constants;
+};
+
+/// Device time of one recorded dispatch.
+struct StageTime {
+  std::string stage;  ///< the kernel's name
+  double device_ms = 0;
+};
+
+/// A sequence of commands. A full compute-to-compute memory barrier stands between any two commands, unless
+/// `independent()` was called before the second.
+class CommandList {
+ public:
+  explicit CommandList(class Device& device);
+  ~CommandList();
+  CommandList(CommandList&&) noexcept;
+  CommandList& operator=(CommandList&&) noexcept;
+
+  void dispatch(const Kernel& kernel, std::span<const std::byte> push_constants, uint32_t groups);
+  /// Group counts are the three words at `offset` of `buffer`.
+  void dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push_constants, const Buffer& buffer,
+                         uint64_t offset);
+  void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t word);
+  void copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes);
+  /// The next command does not depend on the previous one: no barrier between them.
+  void independent();
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+/// Commands that were handed to the device.
+class Submission {
+ public:
+  Submission();
+  ~Submission();
+  Submission(Submission&&) noexcept;
+  Submission& operator=(Submission&&) noexcept;
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+struct DeviceOptions {
+  std::string select;          ///< index or part of the name; empty: the first usable device
+  bool pipeline_cache = true;  ///< keep compiled pipelines in the user's cache folder
+};
+
+/// An opened device with one compute queue. Not thread-safe.
+/// Errors are regulus::Error with ExitStatus::NoDevice (no usable device, device lost) or Failed (out of
+/// memory); the message names the stage that ran when a device was lost.
+class Device {
+ public:
+  explicit Device(const DeviceOptions& options = {});
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const DeviceInfo& info() const;
+
+  /// Device-local, zero-initialized memory, usable as storage, indirect arguments, and source or
+  /// destination of copies. `bytes` may be 0.
+  Buffer create_buffer(uint64_t bytes, std::string_view name);
+  /// Blocking copies through staging memory, in pieces.
+  void upload(const Buffer& buffer, uint64_t offset, std::span<const std::byte> data);
+  void download(const Buffer& buffer, uint64_t offset, std::span<std::byte> data);
+
+  Kernel create_kernel(const KernelDescription& description);
+
+  Submission submit(CommandList&& commands);
+  /// Blocks until the submission has run; returns the time of each dispatch, in recording order.
+  std::vector<StageTime> wait(Submission& submission);
+
+  uint64_t allocated_bytes() const;       ///< device memory held now
+  uint64_t peak_allocated_bytes() const;  ///< the most ever held
+  uint64_t free_bytes() const;            ///< estimate of what can still be allocated
+  double pipeline_seconds() const;        ///< host time spent creating pipelines
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+/// Bytes of a trivially copyable value or contiguous range, for push constants and uploads.
+template <typename T>
+std::span<const std::byte> bytes_of(const T& value) {
+  return std::as_bytes(std::span<const T, 1>(&value, 1));
+}
+template <typename T>
+std::span<const std::byte> bytes_of(const std::vector<T>& values) {
+  return std::as_bytes(std::span<const T>(values));
+}
+
+/// A buffer filled with `values`.
+template <typename T>
+Buffer upload_new(Device& device, const std::vector<T>& values, std::string_view name) {
+  Buffer buffer = device.create_buffer(values.size() * sizeof(T), name);
+  if (!values.empty()) device.upload(buffer, 0, bytes_of(values));
+  return buffer;
+}
+
+/// The first `count` values of type T from byte `offset` of a buffer.
+template <typename T>
+std::vector<T> download_all(Device& device, const Buffer& buffer, size_t count, uint64_t offset = 0) {
+  std::vector<T> values(count);
+  if (count > 0) device.download(buffer, offset, std::as_writable_bytes(std::span<T>(values)));
+  return values;
+}
+
+}  // namespace regulus::gpu

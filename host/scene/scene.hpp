@@ -1,0 +1,77 @@
+// The renderer's own scene: flattened world-space geometry, materials, textures, lights and cameras, in the
+// structs that kernels and the scalar reference read (shaders/interface/scene.h).
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "interface/scene.h"
+
+namespace regulus::scene {
+
+/// A camera as the file gives it; becomes an interface::Camera once the film size is known.
+struct SceneCamera {
+  std::string name;
+  bool is_orthographic = false;
+  glm::mat4 camera_to_world{1.0f};  ///< rigid part used; looks down local -z, y up (glTF)
+  float y_fov = 0.8f;               ///< radians, full vertical angle; perspective
+  float aspect_ratio = 0;           ///< width / height; 0: not given
+  float x_magnification = 1, y_magnification = 1;  ///< half extents, metres; orthographic
+  float lens_radius = 0;            ///< metres; 0: pinhole
+  float focus_distance = 1;         ///< metres
+};
+
+/// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
+/// triangle has zero area (they are dropped with a warning).
+struct Scene {
+  std::filesystem::path path;
+  std::vector<interface::Vertex> vertices;
+  std::vector<interface::Triangle> triangles;   ///< `light` is filled by build_lights
+  std::vector<interface::Material> materials;
+  std::vector<std::string> material_names;
+  std::vector<interface::Texture> textures;
+  std::vector<uint32_t> texels;                 ///< two words per texel, see interface::Texture
+  std::vector<interface::Light> lights;         ///< punctual after loading; all lights after build_lights
+  std::vector<interface::LightAlias> light_aliases;
+  std::vector<SceneCamera> cameras;             ///< never empty: framed on the bounds if the file has none
+  glm::vec3 bounds_min{0}, bounds_max{0};
+  std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
+  std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value
+  std::vector<std::string> warnings;            ///< one line each
+  uint64_t hash = 0;                            ///< of the file's bytes and everything it refers to
+};
+
+struct LoadOptions {
+  std::optional<uint32_t> scene;  ///< index; empty: the file's default scene
+  bool allow_external = false;    ///< URIs outside the scene's folder
+};
+
+/// Reads a .gltf or .glb file.
+/// @throws regulus::Error (BadFile) with one line: file, offending element, what to do.
+Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
+
+/// Renumbers the triangles: new triangle i is old triangle order[i] (order is a permutation). Call before
+/// build_lights.
+void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
+
+/// Appends a light per emissive triangle to the punctual lights, fills selection probabilities in
+/// proportion to power, the alias table, and Triangle::light.
+void build_lights(Scene& scene);
+
+/// The camera for a film of width x height pixels. The vertical field of view is kept; a film wider or
+/// narrower than the camera's aspect ratio sees more or less to the sides.
+interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_t height);
+
+/// FEATURE_* bits of the scene (shaders/interface/wavefront.h), and the material classes present as bits
+/// 1 << MATERIAL_CLASS_*.
+struct Features {
+  uint32_t bits = 0;
+  uint32_t material_classes = 0;
+};
+Features find_features(const Scene& scene);
+
+}  // namespace regulus::scene

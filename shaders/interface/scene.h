@@ -1,0 +1,130 @@
+// The scene as kernels read it: geometry, materials, textures, lights, camera. The same arrays are the
+// input of the scalar reference. World space, metres, linear Rec. 709.
+#ifndef REGULUS_INTERFACE_SCENE_H
+#define REGULUS_INTERFACE_SCENE_H
+
+#include "types.h"
+
+REGULUS_INTERFACE_BEGIN
+
+// World-space vertex. `normal` is unit length; flat-shaded triangles own their vertices and carry the
+// geometric normal in them.
+struct Vertex {
+  vec3 position;
+  vec3 normal;
+  vec2 uv;
+};
+REGULUS_LAYOUT(Vertex, 32);
+
+// Shading data of one triangle. Its geometric normal is cross(p1 - p0, p2 - p0): the front face is the
+// side from which the vertices run counter-clockwise (the loader swaps vertices of mirrored instances).
+// Triangles are stored in the order of the acceleration structure's leaves: one index serves both.
+struct Triangle {
+  uint v0, v1, v2;
+  uint material;
+  uint light;  // index into the lights, or INVALID_INDEX if it does not emit
+};
+REGULUS_LAYOUT(Triangle, 20);
+
+// Material flags.
+REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scattering never depends on it
+REGULUS_CONSTANT MATERIAL_VOLUME = 2u;        // refracting boundary of a solid; clear: transmission is thin-walled
+REGULUS_CONSTANT MATERIAL_EMISSIVE = 4u;
+
+// Material classes: which lobes a material can have, so that each class has its own bounce queue and a
+// pipeline without the code of the other lobes. In a triangle's tag (see bvh.h) the low 8 bits.
+REGULUS_CONSTANT MATERIAL_CLASS_DIFFUSE = 0u;       // Lambert only
+REGULUS_CONSTANT MATERIAL_CLASS_OPAQUE = 1u;        // Lambert and microfacet reflection
+REGULUS_CONSTANT MATERIAL_CLASS_TRANSMISSIVE = 2u;  // Lambert, microfacet reflection and transmission
+REGULUS_CONSTANT MATERIAL_CLASS_COUNT = 3u;
+
+// glTF metallic-roughness with the extensions we read. The model it parametrizes is in
+// shaders/lib/bsdf.glsl. Texture indices are INVALID_INDEX where absent.
+struct Material {
+  vec3 base_color;         // linear factor
+  float metallic;          // [0, 1]
+  float roughness;         // perceptual, [0, 1]; alpha = roughness^2
+  float ior;               // >= 1 (KHR_materials_ior; 0 of the extension means infinite and is stored as 1e6)
+  float transmission;      // [0, 1]
+  float specular;          // KHR_materials_specular factor, [0, 1]
+  vec3 specular_color;     // KHR_materials_specular colour factor, >= 0
+  uint flags;              // MATERIAL_*
+  vec3 emission;           // radiance: emissiveFactor * emissiveStrength
+  uint material_class;     // MATERIAL_CLASS_*
+  vec3 absorption;         // sigma_a, 1/m: -ln(attenuationColor) / attenuationDistance
+  uint base_color_texture;
+  uint metallic_roughness_texture;  // G: roughness, B: metallic
+  uint emissive_texture;
+  uint transmission_texture;        // R
+  uint reserved;
+};
+REGULUS_LAYOUT(Material, 112);
+
+// Wrap modes (glTF sampler) and filters, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
+REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;
+REGULUS_CONSTANT TEXTURE_WRAP_CLAMP = 1u;
+REGULUS_CONSTANT TEXTURE_WRAP_MIRROR = 2u;
+REGULUS_CONSTANT TEXTURE_WRAP_T_SHIFT = 2u;
+REGULUS_CONSTANT TEXTURE_NEAREST = 16u;
+
+// An image in the texel buffer: row-major from the top row, one RGBA texel in 2 words of half floats
+// (r | g << 16, b | a << 16), already linear. (Dynamic indexing of image arrays does not exist on stock
+// lavapipe, so textures are plain memory.)
+struct Texture {
+  uint first_texel;
+  uint width, height;
+  uint flags;
+};
+REGULUS_LAYOUT(Texture, 16);
+
+// Light kinds.
+REGULUS_CONSTANT LIGHT_TRIANGLE = 0u;
+REGULUS_CONSTANT LIGHT_POINT = 1u;
+REGULUS_CONSTANT LIGHT_SPOT = 2u;
+REGULUS_CONSTANT LIGHT_DIRECTIONAL = 3u;
+
+// One entry of the light list.
+struct Light {
+  uint kind;                // LIGHT_*
+  uint triangle;            // LIGHT_TRIANGLE: index of the triangle
+  float selection_pdf;      // probability that light selection returns this light
+  float cos_inner;          // LIGHT_SPOT: cosine of the inner cone angle
+  vec3 position;            // point, spot
+  float cos_outer;          // LIGHT_SPOT: cosine of the outer cone angle
+  vec3 direction;           // spot, directional: unit, the way the light travels
+  uint material;            // LIGHT_TRIANGLE: for textured emission
+  vec3 intensity;           // triangle: radiance factor; point, spot: W/sr (cd); directional: W/m^2 (lx)
+  float area;               // LIGHT_TRIANGLE: m^2
+};
+REGULUS_LAYOUT(Light, 64);
+
+// One bucket of the alias table over lights (Walker, Vose): bucket i is drawn uniformly, then light i with
+// probability `threshold`, else light `alias`.
+struct LightAlias {
+  float threshold;
+  uint alias;
+};
+REGULUS_LAYOUT(LightAlias, 8);
+
+REGULUS_CONSTANT CAMERA_PERSPECTIVE = 0u;
+REGULUS_CONSTANT CAMERA_ORTHOGRAPHIC = 1u;
+
+// A camera for a given film size. Film coordinates: pixels, x right, y down, (0, 0) the top left corner of
+// the top left pixel. Perspective: the ray direction through film point p is
+// normalize(forward + (2 p.x / width - 1) * right + (1 - 2 p.y / height) * up), with `right` and `up`
+// scaled by the tangents of the half field of view. Orthographic: the same vectors shift the origin.
+struct Camera {
+  vec3 position;
+  uint kind;
+  vec3 forward;  // unit
+  float lens_radius;  // m; 0: pinhole
+  vec3 right;
+  float focus_distance;  // m, along forward
+  vec3 up;
+  float reserved;
+};
+REGULUS_LAYOUT(Camera, 64);
+
+REGULUS_INTERFACE_END
+
+#endif
