@@ -58,7 +58,7 @@ struct Material {
   uint transmission_texture;        // R
   uint reserved;
 };
-REGULUS_LAYOUT(Material, 112);
+REGULUS_LAYOUT(Material, 96);
 
 // Wrap modes (glTF sampler) and filters, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

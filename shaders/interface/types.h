@@ -36,8 +36,16 @@ REGULUS_INTERFACE_END
 
 REGULUS_INTERFACE_BEGIN
 
-// A buffer device address as (low, high) words, so that devices without 64-bit integers can hold it.
+// DeviceAddress: a buffer device address as (low, high) words, so that devices without 64-bit integers can
+// hold it.
+#ifdef __cplusplus
+using DeviceAddress = glm::uvec2;
+inline DeviceAddress device_address(uint64_t address) {
+  return {static_cast<uint32_t>(address), static_cast<uint32_t>(address >> 32)};
+}
+#else
 #define DeviceAddress uvec2
+#endif
 
 REGULUS_CONSTANT INVALID_INDEX = 0xFFFFFFFFu;
 
