@@ -23,8 +23,9 @@ struct Triangle {
   uint v0, v1, v2;
   uint material;
   uint light;  // index into the lights, or INVALID_INDEX if it does not emit
+  uint reserved;
 };
-REGULUS_LAYOUT(Triangle, 20);
+REGULUS_LAYOUT(Triangle, 24);
 
 // Material flags.
 REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scattering never depends on it

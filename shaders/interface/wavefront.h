@@ -93,6 +93,10 @@ REGULUS_CONSTANT QUEUE_VISIBILITY = 1u;  // candidates
 REGULUS_CONSTANT QUEUE_BOUNCE = 2u;      // + material class: path slots that hit it
 REGULUS_CONSTANT QUEUES_PER_BOUNCE = 5u;
 
+// Film: per pixel three channels of three words, a fixed-point sum in units of 2^-FILM_FRACTION_BITS.
+REGULUS_CONSTANT FILM_WORDS_PER_PIXEL = 9u;
+REGULUS_CONSTANT FILM_FRACTION_BITS = 40u;
+
 // Addresses and parameters of a render. Read through the push constant `frame`.
 struct Frame {
   DeviceAddress bvh_nodes;

@@ -1,0 +1,62 @@
+// Textures as plain memory (see interface/scene.h): wrap, bilinear filter, and the material values at a
+// point. Level 0 only: a footprint would depend on the direction of the walk, and with it the measured
+// function (math.md section 9).
+#ifndef REGULUS_LIB_TEXTURE_GLSL
+#define REGULUS_LIB_TEXTURE_GLSL
+
+#include "lib/buffers.glsl"
+#include "lib/specialization.glsl"
+
+int wrap_texel(int index, int size, uint mode) {
+  if (mode == TEXTURE_WRAP_CLAMP) return clamp(index, 0, size - 1);
+  int period = mode == TEXTURE_WRAP_MIRROR ? 2 * size : size;
+  int wrapped = index - period * int(floor(float(index) / float(period)));
+  wrapped = clamp(wrapped, 0, period - 1);  // the division rounds: keep it in range
+  return wrapped < size ? wrapped : period - 1 - wrapped;
+}
+
+vec4 load_texel(DeviceAddress texels, Texture image, ivec2 texel) {
+  uint s_mode = image.flags & 3u, t_mode = (image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u;
+  int x = wrap_texel(texel.x, int(image.width), s_mode), y = wrap_texel(texel.y, int(image.height), t_mode);
+  uvec2 packed = LOAD(WordPairBuffer, texels, image.first_texel + uint(y) * image.width + uint(x));
+  return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+}
+
+// Linear RGBA of texture `index` at uv (glTF: (0, 0) is the top left corner of the image). White if the
+// index is INVALID_INDEX.
+vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, vec2 uv) {
+  if (index == INVALID_INDEX) return vec4(1.0);
+  Texture image = LOAD(TextureBuffer, textures, index);
+  // Far outside, float coordinates lose the texel: bring repeating ones near 0 first.
+  vec2 near_uv = uv - 2.0 * floor(0.5 * uv);
+  bvec2 clamps = bvec2((image.flags & 3u) == TEXTURE_WRAP_CLAMP,
+                       ((image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u) == TEXTURE_WRAP_CLAMP);
+  vec2 position = mix(near_uv, clamp(uv, -1.0, 2.0), clamps) * vec2(image.width, image.height);
+  if ((image.flags & TEXTURE_NEAREST) != 0u) return load_texel(texels, image, ivec2(floor(position)));
+  vec2 corner = floor(position - 0.5);
+  vec2 weight = position - 0.5 - corner;
+  ivec2 texel = ivec2(corner);
+  vec4 top = mix(load_texel(texels, image, texel), load_texel(texels, image, texel + ivec2(1, 0)), weight.x);
+  vec4 bottom = mix(load_texel(texels, image, texel + ivec2(0, 1)), load_texel(texels, image, texel + ivec2(1, 1)), weight.x);
+  return mix(top, bottom, weight.y);
+}
+
+// Multiplies the textured factors of a material by their textures at uv.
+void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, inout Material material) {
+  if ((spec_features & FEATURE_TEXTURES) == 0u) return;
+  material.base_color *= sample_texture(textures, texels, material.base_color_texture, uv).rgb;
+  if (spec_material_class == MATERIAL_CLASS_DIFFUSE) return;
+  vec4 metallic_roughness = sample_texture(textures, texels, material.metallic_roughness_texture, uv);
+  material.roughness *= metallic_roughness.g;
+  material.metallic *= metallic_roughness.b;
+  if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
+    material.transmission *= sample_texture(textures, texels, material.transmission_texture, uv).r;
+}
+
+// Radiance a material emits at uv.
+vec3 emitted_radiance(DeviceAddress textures, DeviceAddress texels, vec3 factor, uint texture_index, vec2 uv) {
+  if ((spec_features & FEATURE_TEXTURES) == 0u) return factor;
+  return factor * sample_texture(textures, texels, texture_index, uv).rgb;
+}
+
+#endif
