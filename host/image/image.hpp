@@ -26,20 +26,34 @@ using Attributes = std::map<std::string, std::string>;
 void write_exr(const std::filesystem::path& path, const Image& image, const Attributes& attributes = {},
                const Channels& channels = {});
 
-/// Reads R, G, B (half or float; a single Y is copied to all three). @throws regulus::Error (BadFile).
+/// Reads R, G, B of the first part (half or float, any compression; a single Y is copied to all three); the
+/// image is the data window. String attributes go to `attributes`. @throws regulus::Error (BadFile) naming
+/// the file.
 Image read_exr(const std::filesystem::path& path, Attributes* attributes = nullptr);
+
+/// Khronos PBR Neutral tone mapping (Khronos, "PBR Neutral Tone Mapper Specification", 2024) of linear
+/// Rec. 709 to linear [0, 1]: colours up to 0.8 pass unchanged but for an offset of at most 0.04, brighter
+/// ones are compressed and turn white. NaN and negative values become 0.
+std::array<float, 3> tone_map(const std::array<float, 3>& linear);
+
+/// The sRGB transfer curve (IEC 61966-2-1), linear [0, 1] to encoded [0, 1].
+float srgb_encode(float linear);
 
 /// 8-bit sRGB PNG of the image scaled by 2^exposure_ev and tone-mapped. @throws regulus::Error (Failed).
 void write_png(const std::filesystem::path& path, const Image& image, float exposure_ev = 0);
 
-/// Metrics of image against reference. Sums in double.
+/// PNG of encoded 8-bit RGB triples, rows from the top. @throws regulus::Error (Failed).
+void write_png8(const std::filesystem::path& path, uint32_t width, uint32_t height,
+                const std::vector<uint8_t>& rgb);
+
+/// Metrics of image against reference. Sums in double. NaN if no value is finite in both images.
 struct Metrics {
   double mse = 0;     ///< mean over pixels and channels of (a - r)^2
   double relmse = 0;  ///< mean of (a - r)^2 / (r^2 + 0.01)
   double mrse = 0;    ///< mean relative squared error, mean of (a - r)^2 / (mean(r_pixel)^2 + 0.01)
   double mae = 0;     ///< mean absolute error
-  double psnr = 0;    ///< dB, peak = largest reference value
-  std::array<double, 3> mean{}, reference_mean{};
+  double psnr = 0;    ///< dB, peak = largest reference value; infinite for equal images
+  std::array<double, 3> mean{}, reference_mean{};  ///< over the values that entered the metrics
   uint64_t non_finite = 0;  ///< values of either image that are NaN or infinite (left out of the metrics)
 };
 

@@ -1,0 +1,182 @@
+// OpenEXR in and out. Files are encoded in memory and written in one go (atomic_file.hpp). Reading treats
+// the file as hostile: sizes are checked against the file's length before anything is allocated.
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfChromaticitiesAttribute.h>
+#include <OpenEXR/ImfFrameBuffer.h>
+#include <OpenEXR/ImfHeader.h>
+#include <OpenEXR/ImfInputFile.h>
+#include <OpenEXR/ImfOutputFile.h>
+#include <OpenEXR/ImfStandardAttributes.h>
+#include <OpenEXR/ImfStdIO.h>
+#include <OpenEXR/ImfStringAttribute.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <exception>
+
+#include "base/error.hpp"
+#include "image/atomic_file.hpp"
+#include "image/image.hpp"
+
+namespace regulus::image {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int MAX_EXTENT = 1 << 16;  // pixels; the widest film anybody renders, with room
+
+/// No compression of OpenEXR stores more pixels than this in a byte (deflate reaches 1032 : 1, on half
+/// floats 516 pixels; DWA drops whole blocks first). A header that claims more lies about its size.
+constexpr uint64_t MAX_PIXELS_PER_BYTE = 4096;
+
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return std::iscntrl(c) != 0; }, ' ');
+  return text;
+}
+
+[[noreturn]] void fail_bad_file(const fs::path& path, const std::string& reason) {
+  throw Error(ExitStatus::BadFile, fmt::format("{}: {}", path.string(), one_line(reason)));
+}
+
+void require_size(const fs::path& path, const std::string& channel, const size_t found, const size_t wanted) {
+  if (found == wanted) return;
+  throw Error(ExitStatus::Failed, fmt::format("{}: channel {} has {} values instead of {}", path.string(),
+                                              channel, found, wanted));
+}
+
+Imf::Header make_header(const Image& image, const Attributes& attributes, const Channels& channels) {
+  Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+  header.compression() = Imf::ZIP_COMPRESSION;
+  Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65
+  for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
+  for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, values] : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  return header;
+}
+
+Imf::Slice rgb_slice(const Image& image, const size_t component, const Imath::Box2i& window) {
+  return Imf::Slice::Make(Imf::FLOAT, image.rgb.data() + component, window, 3 * sizeof(float),
+                          3 * sizeof(float) * image.width);
+}
+
+std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels) {
+  const Imf::Header header = make_header(image, attributes, channels);
+  const Imath::Box2i window = header.dataWindow();
+  Imf::FrameBuffer pixels;
+  for (size_t component = 0; component < 3; ++component)
+    pixels.insert(std::string(1, "RGB"[component]), rgb_slice(image, component, window));
+  for (const auto& [name, values] : channels)
+    pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+
+  Imf::StdOSStream stream;
+  {
+    Imf::OutputFile file(stream, header);
+    file.setFrameBuffer(pixels);
+    file.writePixels(static_cast<int>(image.height));
+  }  // the destructor completes the line offset table
+  return stream.str();
+}
+
+/// Refuses what would make the decoder or us allocate out of proportion to the file.
+void check_window(const fs::path& path, const Imath::Box2i& window, const uint64_t file_bytes) {
+  const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+  const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > MAX_EXTENT || height > MAX_EXTENT)
+    fail_bad_file(
+        path, fmt::format("data window of {} x {} pixels; at most {} are read", width, height, MAX_EXTENT));
+  if (static_cast<uint64_t>(width * height) > MAX_PIXELS_PER_BYTE * file_bytes)
+    fail_bad_file(path, fmt::format("claims {} x {} pixels in {} bytes; the file is cut off or corrupt",
+                                    width, height, file_bytes));
+}
+
+/// The channels that hold red, green and blue.
+std::array<std::string, 3> find_rgb(const fs::path& path, const Imf::ChannelList& channels) {
+  const bool is_grey = !channels.findChannel("R") && channels.findChannel("Y");
+  std::array<std::string, 3> names =
+      is_grey ? std::array<std::string, 3>{"Y", "Y", "Y"} : std::array<std::string, 3>{"R", "G", "B"};
+  for (const std::string& name : names) {
+    const Imf::Channel* channel = channels.findChannel(name);
+    if (!channel) {
+      std::string found;
+      for (auto c = channels.begin(); c != channels.end(); ++c) found += fmt::format(" {}", c.name());
+      fail_bad_file(path, fmt::format("has no channel {} (found:{}); R, G, B or Y are read", name,
+                                      found.substr(0, 200)));
+    }
+    if (channel->xSampling != 1 || channel->ySampling != 1)
+      fail_bad_file(path, fmt::format("channel {} is subsampled; only full resolution is read", name));
+    if (channel->type == Imf::UINT)
+      fail_bad_file(path, fmt::format("channel {} holds integers; half or float is read", name));
+  }
+  return names;
+}
+
+Attributes string_attributes(const Imf::Header& header) {
+  Attributes attributes;
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute)
+    if (const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute()))
+      attributes[attribute.name()] = text->value();
+  return attributes;
+}
+
+Image decode_exr(const fs::path& path, const uint64_t file_bytes, Attributes* attributes) {
+  // Makes the constructor refuse huge windows before it allocates line buffers for them.
+  Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
+  Imf::InputFile file(path.c_str());
+  const Imf::Header& header = file.header();
+  const Imath::Box2i window = header.dataWindow();
+  check_window(path, window, file_bytes);
+  const std::array<std::string, 3> names = find_rgb(path, header.channels());
+
+  Image image;
+  image.width = static_cast<uint32_t>(window.max.x - window.min.x + 1);
+  image.height = static_cast<uint32_t>(window.max.y - window.min.y + 1);
+  image.rgb.resize(size_t{3} * image.width * image.height);
+  Imf::FrameBuffer pixels;
+  for (size_t component = 0; component < 3; ++component)
+    if (component == 0 || names[component] != names[0])
+      pixels.insert(names[component], rgb_slice(image, component, window));
+  file.setFrameBuffer(pixels);
+  file.readPixels(window.min.y, window.max.y);
+
+  if (names[1] == names[0])
+    for (size_t i = 0; i < image.rgb.size(); i += 3) image.rgb[i + 1] = image.rgb[i + 2] = image.rgb[i];
+  if (attributes) *attributes = string_attributes(header);
+  return image;
+}
+
+}  // namespace
+
+void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,
+               const Channels& channels) {
+  const size_t pixel_count = size_t{image.width} * image.height;
+  require_size(path, "RGB", image.rgb.size(), 3 * pixel_count);
+  for (const auto& [name, values] : channels) require_size(path, name, values.size(), pixel_count);
+  std::string bytes;
+  try {
+    bytes = encode_exr(image, attributes, channels);
+  } catch (const std::exception& error) {
+    throw Error(ExitStatus::Failed,
+                fmt::format("{}: cannot be encoded as OpenEXR ({})", path.string(), one_line(error.what())));
+  }
+  write_file_atomically(path, bytes);
+}
+
+Image read_exr(const fs::path& path, Attributes* attributes) {
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) fail_bad_file(path, "no such file");
+  if (!fs::is_regular_file(status)) fail_bad_file(path, "is not a file");
+  const uint64_t file_bytes = fs::file_size(path, error);
+  if (error) fail_bad_file(path, fmt::format("cannot be read ({})", error.message()));
+  try {
+    return decode_exr(path, file_bytes, attributes);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& problem) {
+    fail_bad_file(path, fmt::format("cannot be read as OpenEXR ({})", problem.what()));
+  }
+}
+
+}  // namespace regulus::image

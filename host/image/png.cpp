@@ -1,0 +1,75 @@
+// PNG out: exposure, tone mapping and the sRGB curve, encoded by stb_image_write.
+#define STB_IMAGE_WRITE_IMPLEMENTATION
+#define STB_IMAGE_WRITE_STATIC
+#define STBI_WRITE_NO_STDIO
+#include <fmt/format.h>
+#include <stb_image_write.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "image/atomic_file.hpp"
+#include "image/image.hpp"
+
+namespace regulus::image {
+namespace {
+
+void append(void* context, void* data, int size) {
+  static_cast<std::string*>(context)->append(static_cast<const char*>(data), static_cast<size_t>(size));
+}
+
+uint8_t to_byte(const float encoded) {
+  return static_cast<uint8_t>(std::lround(255.0f * std::clamp(encoded, 0.0f, 1.0f)));
+}
+
+}  // namespace
+
+std::array<float, 3> tone_map(const std::array<float, 3>& linear) {
+  constexpr float START = 0.8f - 0.04f;    // up to here colours pass unchanged, but for the offset
+  constexpr float DESATURATION = 0.15f;    // how fast highlights turn white
+  constexpr float BRIGHTEST_INPUT = 1e6f;  // keeps infinity out of the ratios below
+  std::array<float, 3> color = linear;
+  for (float& value : color) value = value > 0 ? std::min(value, BRIGHTEST_INPUT) : 0;  // NaN becomes 0
+
+  // What a surface of 4 percent Fresnel reflectance adds to its base colour under even light.
+  const float lowest = *std::min_element(color.begin(), color.end());
+  const float offset = lowest < 0.08f ? lowest - 6.25f * lowest * lowest : 0.04f;
+  for (float& value : color) value -= offset;
+
+  const float peak = *std::max_element(color.begin(), color.end());
+  if (peak < START) return color;
+  constexpr float RANGE = 1.0f - START;
+  const float new_peak = 1.0f - RANGE * RANGE / (peak + RANGE - START);
+  const float keep = 1.0f / (DESATURATION * (peak - new_peak) + 1.0f);
+  for (float& value : color) value = new_peak + keep * (value * new_peak / peak - new_peak);
+  return color;
+}
+
+float srgb_encode(const float linear) {
+  return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
+}
+
+void write_png8(const std::filesystem::path& path, const uint32_t width, const uint32_t height,
+                const std::vector<uint8_t>& rgb) {
+  const size_t wanted = size_t{3} * width * height;
+  std::string bytes;
+  if (rgb.size() != wanted || wanted == 0 ||
+      !stbi_write_png_to_func(append, &bytes, static_cast<int>(width), static_cast<int>(height), 3,
+                              rgb.data(), static_cast<int>(3 * width)))
+    throw Error(ExitStatus::Failed,
+                fmt::format("{}: {} x {} pixels cannot be encoded as PNG", path.string(), width, height));
+  write_file_atomically(path, bytes);
+}
+
+void write_png(const std::filesystem::path& path, const Image& image, const float exposure_ev) {
+  const float scale = std::exp2(exposure_ev);
+  std::vector<uint8_t> bytes(image.rgb.size());
+  for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
+    const auto color = tone_map({scale * image.rgb[i], scale * image.rgb[i + 1], scale * image.rgb[i + 2]});
+    for (size_t c = 0; c < 3; ++c) bytes[i + c] = to_byte(srgb_encode(color[c]));
+  }
+  write_png8(path, image.width, image.height, bytes);
+}
+
+}  // namespace regulus::image
