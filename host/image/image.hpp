@@ -31,9 +31,10 @@ void write_exr(const std::filesystem::path& path, const Image& image, const Attr
 /// the file.
 Image read_exr(const std::filesystem::path& path, Attributes* attributes = nullptr);
 
-/// Khronos PBR Neutral tone mapping (Khronos, "PBR Neutral Tone Mapper Specification", 2024) of linear
-/// Rec. 709 to linear [0, 1]: colours up to 0.8 pass unchanged but for an offset of at most 0.04, brighter
-/// ones are compressed and turn white. NaN and negative values become 0.
+/// Linear Rec. 709 to linear [0, 1] by the shoulder of Khronos' PBR Neutral tone mapper (2024): colours up to
+/// 0.8 pass unchanged, brighter ones are compressed and turn white. Its toe, which takes the smallest channel
+/// (up to 0.04) off every colour, is left out: it is meant for base colours under even light and turns soft
+/// shadows black. NaN and negative values become 0.
 std::array<float, 3> tone_map(const std::array<float, 3>& linear);
 
 /// The sRGB transfer curve (IEC 61966-2-1), linear [0, 1] to encoded [0, 1].

@@ -26,16 +26,11 @@ uint8_t to_byte(const float encoded) {
 }  // namespace
 
 std::array<float, 3> tone_map(const std::array<float, 3>& linear) {
-  constexpr float START = 0.8f - 0.04f;    // up to here colours pass unchanged, but for the offset
+  constexpr float START = 0.8f;            // up to here colours pass unchanged
   constexpr float DESATURATION = 0.15f;    // how fast highlights turn white
   constexpr float BRIGHTEST_INPUT = 1e6f;  // keeps infinity out of the ratios below
   std::array<float, 3> color = linear;
   for (float& value : color) value = value > 0 ? std::min(value, BRIGHTEST_INPUT) : 0;  // NaN becomes 0
-
-  // What a surface of 4 percent Fresnel reflectance adds to its base colour under even light.
-  const float lowest = *std::min_element(color.begin(), color.end());
-  const float offset = lowest < 0.08f ? lowest - 6.25f * lowest * lowest : 0.04f;
-  for (float& value : color) value -= offset;
 
   const float peak = *std::max_element(color.begin(), color.end());
   if (peak < START) return color;
