@@ -39,6 +39,7 @@ REGULUS_CONSTANT FEATURE_DELTA_SPECULAR = 32u;     // some microfacet lobe has a
 REGULUS_CONSTANT FEATURE_ABSORPTION = 64u;         // some volume attenuates
 REGULUS_CONSTANT FEATURE_MANY_LIGHTS = 128u;       // more than one light: the alias table is read
 REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals differ from its geometric normal
+REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -86,6 +87,9 @@ struct QueueHead {
 REGULUS_LAYOUT(QueueHead, 16);
 
 REGULUS_CONSTANT WORKGROUP_SIZE = 64u;
+
+// Path edges before Russian roulette starts: the first indirect bounces carry most of the light.
+REGULUS_CONSTANT ROULETTE_FIRST_BOUNCE = 2u;
 
 // Queues of one bounce; head index = bounce * QUEUES_PER_BOUNCE + QUEUE_*.
 REGULUS_CONSTANT QUEUE_RAYS = 0u;        // path slots to trace
@@ -140,10 +144,12 @@ struct StageArguments {
 };
 REGULUS_LAYOUT(StageArguments, 24);
 
-// Counters of things that should not happen, and of work done; 32-bit each, cleared per wave.
-REGULUS_CONSTANT COUNTER_NON_FINITE = 0u;       // samples dropped because NaN or infinite
+// Counters of a render: 64 bits each as (low, high) words. First things that should not happen, then the
+// items that went through each queue.
+REGULUS_CONSTANT COUNTER_NON_FINITE = 0u;         // samples dropped because NaN, infinite or negative
 REGULUS_CONSTANT COUNTER_TRAVERSAL_OVERRUN = 1u;  // rays whose traversal hit its step bound
-REGULUS_CONSTANT COUNTER_COUNT = 4u;
+REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 2u;        // + QUEUE_*
+REGULUS_CONSTANT COUNTER_COUNT = 7u;              // COUNTER_QUEUE_ITEMS + QUEUES_PER_BOUNCE
 
 REGULUS_INTERFACE_END
 

@@ -36,6 +36,11 @@ void append_ray(uint bounce, uint slot) {
   STORE(WordBuffer, FRAME.ray_queues, ray_queue_base(bounce) + index, slot);
 }
 
-void count_event(uint counter) { ATOMIC_ADD(FRAME.counters, counter, 1u); }
+// Adds to a 64-bit counter.
+void count_events(uint counter, uint amount) {
+  DeviceAddress counters = FRAME.counters;
+  uint before = ATOMIC_ADD(counters, 2u * counter, amount);
+  if (before + amount < before) ATOMIC_ADD(counters, 2u * counter + 1u, 1u);
+}
 
 #endif

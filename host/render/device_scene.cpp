@@ -1,0 +1,35 @@
+#include "render/device_scene.hpp"
+
+namespace regulus::render {
+
+DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh)
+    : bvh_nodes_(gpu::upload_new(device, bvh.nodes, "bvh nodes")),
+      bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
+      vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
+      triangles_(gpu::upload_new(device, scene.triangles, "triangles")),
+      materials_(gpu::upload_new(device, scene.materials, "materials")),
+      textures_(gpu::upload_new(device, scene.textures, "textures")),
+      texels_(gpu::upload_new(device, scene.texels, "texels")),
+      lights_(gpu::upload_new(device, scene.lights, "lights")),
+      light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
+      light_count_(static_cast<uint32_t>(scene.lights.size())),
+      center_(0.5f * (scene.bounds_min + scene.bounds_max)),
+      radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {}
+
+void DeviceScene::fill(interface::Frame& frame) const {
+  const auto address = [](const gpu::Buffer& buffer) { return interface::device_address(buffer.address()); };
+  frame.bvh_nodes = address(bvh_nodes_);
+  frame.bvh_triangles = address(bvh_triangles_);
+  frame.vertices = address(vertices_);
+  frame.triangles = address(triangles_);
+  frame.materials = address(materials_);
+  frame.textures = address(textures_);
+  frame.texels = address(texels_);
+  frame.lights = address(lights_);
+  frame.light_aliases = address(light_aliases_);
+  frame.light_count = light_count_;
+  frame.scene_center = center_;
+  frame.scene_radius = radius_;
+}
+
+}  // namespace regulus::render

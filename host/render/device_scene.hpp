@@ -1,0 +1,26 @@
+// The scene in device memory.
+#pragma once
+
+#include "bvh/bvh.hpp"
+#include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+#include "scene/scene.hpp"
+
+namespace regulus::render {
+
+/// Device copies of everything kernels read of a scene.
+class DeviceScene {
+ public:
+  DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh);
+
+  /// Writes the addresses of the arrays, the light count and the bounds into a frame.
+  void fill(interface::Frame& frame) const;
+
+ private:
+  gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, triangles_, materials_, textures_, texels_, lights_, light_aliases_;
+  uint32_t light_count_;
+  glm::vec3 center_;
+  float radius_;
+};
+
+}  // namespace regulus::render

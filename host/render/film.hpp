@@ -1,0 +1,25 @@
+// The film on the host: the fixed-point sums of shaders/lib/film.glsl and how many paths they hold.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "image/image.hpp"
+
+namespace regulus::render {
+
+/// Sums of whole paths. Paths are counted sample by sample, within a sample pixel by pixel, so `paths` says
+/// how many samples each pixel has.
+struct Film {
+  uint32_t width = 0, height = 0;
+  std::vector<uint32_t> words;  ///< FILM_WORDS_PER_PIXEL per pixel
+  uint64_t paths = 0;
+
+  /// Complete samples of pixel `pixel` (y * width + x).
+  uint64_t samples(uint64_t pixel) const;
+};
+
+/// The mean of the samples of each pixel; 0 where a pixel has none.
+image::Image resolve(const Film& film);
+
+}  // namespace regulus::render

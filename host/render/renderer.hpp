@@ -1,0 +1,59 @@
+// The wavefront: renders a sample range of a scene in waves of paths.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "bvh/bvh.hpp"
+#include "gpu/gpu.hpp"
+#include "render/film.hpp"
+#include "render/settings.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::render {
+
+struct StageStatistics {
+  uint64_t dispatches = 0;
+  double device_ms = 0;
+};
+
+struct RenderStatistics {
+  std::map<std::string, StageStatistics> stages;  ///< by stage name
+  uint64_t paths = 0;
+  uint64_t closest_rays = 0, visibility_rays = 0;
+  uint64_t non_finite = 0;          ///< samples dropped because NaN, infinite or negative: bugs
+  uint64_t traversal_overruns = 0;  ///< rays whose traversal hit its step bound: bugs
+  uint32_t wave_capacity = 0;       ///< path slots
+  uint64_t bytes_per_path = 0;      ///< device memory per path in flight
+  double render_seconds = 0;        ///< wall time in render()
+  double device_seconds = 0;        ///< sum over stages
+};
+
+/// Called between waves with the paths finished and the paths asked for; return false to stop.
+using ProgressCallback = std::function<bool(uint64_t paths_done, uint64_t paths_total)>;
+
+/// Renders with one device. The image is a function of scene and settings alone: neither wave size, timing
+/// nor interruption changes the samples it consists of.
+class Renderer {
+ public:
+  /// Uploads the scene and builds the pipelines. The scene must have been prepared by
+  /// bvh::build_for_scene; `bvh` is its result. Scene and bvh may be freed afterwards.
+  Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh, const RenderSettings& settings);
+  ~Renderer();
+
+  /// Renders until all samples are done or `progress` returns false. If the device is lost the error is
+  /// thrown, and film() holds the last snapshot (at most a few seconds old).
+  void render(const ProgressCallback& progress);
+
+  const Film& film() const;
+  const RenderStatistics& statistics() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace regulus::render

@@ -1,0 +1,102 @@
+// Light selection and sampling as seen from a surface point: emissive triangles, point, spot and
+// directional lights. Radiometry as in glTF: candela and lux are taken as W/sr and W/m^2.
+#ifndef REGULUS_LIB_LIGHT_GLSL
+#define REGULUS_LIB_LIGHT_GLSL
+
+#include "lib/geometry.glsl"
+#include "lib/sampling.glsl"
+#include "lib/texture.glsl"
+
+// A light as sampled for next-event estimation from a point.
+struct LightSample {
+  vec3 wi;        // unit, towards the light
+  vec3 target;    // end point of the shadow segment, already off the light's surface (not for directional)
+  bool is_directional;
+  float distance;
+  vec3 radiance;  // incident, times the factors that make radiance / pdf an estimate of the irradiance integral
+  float pdf;      // solid angle for triangles; discrete for point, spot and directional lights
+  bool is_delta;
+};
+
+// Draws a light index in proportion to its selection_pdf (alias method, Vose 1991).
+uint select_light(DeviceAddress aliases, uint light_count, vec2 u) {
+  if ((spec_features & FEATURE_MANY_LIGHTS) == 0u) return 0u;
+  uint bucket = min(uint(u.x * float(light_count)), light_count - 1u);
+  LightAlias entry = LOAD(LightAliasBuffer, aliases, bucket);
+  return u.y < entry.threshold ? bucket : entry.alias;
+}
+
+// Solid-angle pdf of reaching, by light sampling, a point of an emissive triangle seen along a ray of length
+// `distance` that meets its normal at `cos_light`.
+float triangle_light_pdf(float selection_pdf, float area, float distance, float cos_light) {
+  return selection_pdf * distance * distance / (area * max(abs(cos_light), 1e-20));
+}
+
+// glTF KHR_lights_punctual: squared linear falloff between the cone cosines.
+float spot_falloff(Light light, float cos_angle) {
+  float linear = clamp((cos_angle - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-6), 0.0, 1.0);
+  return linear * linear;
+}
+
+LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
+  vec2 barycentrics = sample_triangle(u);
+  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, light.triangle);
+  Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
+  Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
+  Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
+  SurfacePoint point = point_on_triangle(v0.position, v1.position, v2.position, barycentrics);
+  vec2 uv = (1.0 - barycentrics.x - barycentrics.y) * v0.uv + barycentrics.x * v1.uv + barycentrics.y * v2.uv;
+
+  vec3 to_light = point.position - from;
+  LightSample result;
+  result.distance = length(to_light);
+  result.wi = to_light / max(result.distance, 1e-30);
+  float cos_light = -dot(point.normal, result.wi);
+  bool emits = cos_light > 0.0;
+  vec3 radiance = light.intensity;
+  if ((spec_features & (FEATURE_TEXTURES | FEATURE_TWO_SIDED_LIGHTS)) != 0u) {
+    Material material = LOAD(MaterialBuffer, frame.materials, light.material);
+    emits = emits || (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    radiance = emitted_radiance(frame.textures, frame.texels, radiance, material.emissive_texture, uv);
+  }
+  result.radiance = emits ? radiance : vec3(0.0);
+  result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
+  result.target = offset_origin(point.position, point.position_error, point.normal, -result.wi);
+  result.is_directional = false;
+  result.is_delta = false;
+  return result;
+}
+
+LightSample sample_punctual_light(Light light, vec3 from) {
+  LightSample result;
+  result.is_delta = true;
+  result.pdf = light.selection_pdf;
+  result.is_directional = light.kind == LIGHT_DIRECTIONAL;
+  if (result.is_directional) {
+    result.wi = -light.direction;
+    result.radiance = light.intensity;
+    result.distance = 0.0;
+    result.target = from;
+    return result;
+  }
+  vec3 to_light = light.position - from;
+  float squared = max(dot(to_light, to_light), 1e-30);
+  result.distance = sqrt(squared);
+  result.wi = to_light / result.distance;
+  result.radiance = light.intensity / squared;
+  if (light.kind == LIGHT_SPOT) result.radiance *= spot_falloff(light, -dot(light.direction, result.wi));
+  result.target = light.position;
+  return result;
+}
+
+// Samples a light by power, then a point on it. u is one block of random numbers.
+LightSample sample_light(Frame frame, vec3 from, vec4 u) {
+  Light light = LOAD(LightBuffer, frame.lights, select_light(frame.light_aliases, frame.light_count, u.xy));
+  const bool has_triangles = (spec_features & FEATURE_TRIANGLE_LIGHTS) != 0u;
+  const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
+  if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
+    return sample_triangle_light(frame, light, from, u.zw);
+  return sample_punctual_light(light, from);
+}
+
+#endif

@@ -1,0 +1,33 @@
+// camera_generate: starts the paths of a wave at the lens.
+// reads  frame.camera          writes  paths, radiance (zeroed), ray queue of bounce 0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/camera.glsl"
+#include "lib/rng.glsl"
+#include "lib/stage.glsl"
+
+void main() {
+  uint slot = item_index();
+  if (slot >= stage.wave_paths) return;
+  Frame frame = FRAME;
+  uint pixels = frame.width * frame.height;
+  uint index = stage.first_pixel + slot;
+  uint pixel = index % pixels, sample_index = stage.first_sample + index / pixels;
+
+  vec4 u = random_block(frame.seed, pixel, sample_index, DIMENSION_BLOCK_CAMERA);
+  vec2 centre = vec2(pixel % frame.width, pixel / frame.width) + 0.5;
+  Path path;
+  camera_ray(frame.camera, centre + sample_filter(u.xy, frame.filter_radius, frame.filter_sigma),
+             vec2(frame.width, frame.height), u.zw, path.origin, path.direction);
+  path.pdf = 0.0;
+  path.pixel = pixel;
+  path.throughput = vec3(1.0);
+  path.sample_index = sample_index;
+  path.eta_scale = 1.0;
+  path.bounce = 0u;
+  path.medium = INVALID_INDEX;
+  path.reserved = 0u;
+  STORE(PathBuffer, frame.paths, slot, path);
+  STORE(Vec3Buffer, frame.radiance, slot, vec3(0.0));
+  append_ray(0u, slot);
+}
