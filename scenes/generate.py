@@ -1,0 +1,29 @@
+#!/usr/bin/env python3
+"""Writes the procedural scenes of Regulus: scenes/<name>/<name>.gltf and .bin (scenes/README.md says what
+each shows). Deterministic: the files in the repository are the output of this program, byte for byte."""
+import argparse
+import pathlib
+import sys
+
+sys.dont_write_bytecode = True  # leaves no cache in the source tree
+from generator import cornell  # noqa: E402
+
+SCENES = {"cornell": cornell}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"scenes to write: {', '.join(SCENES)} (all)")
+    parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent,
+                        help="folder that gets one folder per scene (where this program is)")
+    arguments = parser.parse_args()
+    unknown = [name for name in arguments.names if name not in SCENES]
+    if unknown:
+        parser.error(f"no scene {unknown[0]}; there are {', '.join(SCENES)}")
+    for name in arguments.names or SCENES:
+        for stem, scene in SCENES[name].build().items():
+            scene.write(arguments.out / name / stem)
+
+
+if __name__ == "__main__":
+    main()
