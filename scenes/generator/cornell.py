@@ -9,7 +9,7 @@ WIDTH, HEIGHT, DEPTH = 0.5528, 0.5488, 0.5592
 WHITE, RED, GREEN = (0.74, 0.73, 0.70), (0.58, 0.06, 0.05), (0.12, 0.42, 0.09)
 LIGHT_SIZE = (0.16, 0.13)
 LIGHT_RADIANCE = (18.0, 14.6, 10.8)
-SPHERE_RADIUS = 0.105
+SPHERE_RADIUS = 0.12
 LIFT = 0.0002  # spheres hover by 0.2 mm: no vertex lies in the floor's plane
 
 
@@ -33,9 +33,9 @@ def build():
     ball = scene.geometry(sphere(32))
     height = SPHERE_RADIUS + LIFT
     scene.add_mesh("mirror sphere", ball, scene.metal("mirror", (0.95, 0.95, 0.95), 0.0),
-                   (-0.125, height, -0.385), SPHERE_RADIUS)
-    scene.add_mesh("glass sphere", ball, scene.glass("glass", 1.5), (0.125, height, -0.2), SPHERE_RADIUS)
+                   (-0.13, height, -0.39), SPHERE_RADIUS)
+    scene.add_mesh("glass sphere", ball, scene.glass("glass", 1.5), (0.13, height, -0.19), SPHERE_RADIUS)
 
-    # The original's 35 mm lens on a 25 mm film, at 0.8 m from the open side.
-    scene.perspective_camera(look_at((0.0, mid_y, 0.8), (0.0, mid_y, 0.0)), 2 * math.atan2(12.5, 35))
+    # The original stands 0.8 m before the open side; this frame is the opening, less 1 mm on each edge.
+    scene.perspective_camera(look_at((0.0, mid_y, 0.8), (0.0, mid_y, 0.0)), 2 * math.atan2(mid_y - 0.001, 0.8))
     return {"cornell": scene}
