@@ -19,7 +19,7 @@ image::Image resolve(const Film& film) {
     if (samples == 0) continue;
     for (uint64_t channel = 0; channel < 3; ++channel) {
       const uint32_t* word = &film.words[pixel * interface::FILM_WORDS_PER_PIXEL + 3 * channel];
-      const double units = word[0] + std::ldexp(double{word[1]}, 32) + std::ldexp(double{word[2]}, 64);
+      const double units = word[0] + std::ldexp(word[1], 32) + std::ldexp(word[2], 64);
       image.rgb[3 * pixel + channel] =
           static_cast<float>(std::ldexp(units, -static_cast<int>(interface::FILM_FRACTION_BITS)) / samples);
     }

@@ -51,8 +51,8 @@ struct Renderer::Impl {
   uint64_t pixels, total_paths;
   uint32_t capacity;
   DeviceScene scene;
-  gpu::Buffer paths, hits, radiance, ray_queues, bounce_queues, candidates, queue_heads, empty_heads, film_sums,
-      counters, frame_buffer;
+  gpu::Buffer paths, hits, radiance, ray_queues, bounce_queues, candidates, queue_heads, empty_heads,
+      film_sums, counters, frame_buffer;
   std::vector<PipelineStep> pipeline;
   Film film;
   RenderStatistics statistics;
@@ -64,7 +64,8 @@ struct Renderer::Impl {
   std::deque<Wave> in_flight;
   uint64_t submitted = 0, finished = 0;  // paths
 
-  Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh, const RenderSettings& settings_in)
+  Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
+       const RenderSettings& settings_in)
       : device(device_in),
         settings(settings_in),
         pixels(uint64_t{settings.width} * settings.height),
@@ -80,7 +81,9 @@ struct Renderer::Impl {
   }
 
   void create_buffers() {
-    const auto per_path = [&](uint64_t bytes, const char* name) { return device.create_buffer(capacity * bytes, name); };
+    const auto per_path = [&](uint64_t bytes, const char* name) {
+      return device.create_buffer(capacity * bytes, name);
+    };
     paths = per_path(sizeof(Path), "paths");
     hits = per_path(sizeof(Hit), "hits");
     radiance = per_path(sizeof(vec3), "radiance");
@@ -153,12 +156,14 @@ struct Renderer::Impl {
     device.download(film_sums, 0, std::as_writable_bytes(std::span(film.words)));
     film.paths = finished;
     const auto words = gpu::download_all<uint32_t>(device, counters, 2 * COUNTER_COUNT);
-    const auto counter = [&](uint32_t index) { return words[2 * index] | uint64_t{words[2 * index + 1]} << 32; };
+    const auto counter = [&](uint32_t index) {
+      return words[2 * index] | uint64_t{words[2 * index + 1]} << 32;
+    };
     statistics.paths = finished;
     statistics.non_finite = counter(COUNTER_NON_FINITE);
     statistics.traversal_overruns = counter(COUNTER_TRAVERSAL_OVERRUN);
-    statistics.closest_rays = counter(COUNTER_QUEUE_ITEMS + QUEUE_RAYS);
-    statistics.visibility_rays = counter(COUNTER_QUEUE_ITEMS + QUEUE_VISIBILITY);
+    for (uint32_t queue = 0; queue < QUEUES_PER_BOUNCE; ++queue)
+      statistics.queue_items[queue] = counter(COUNTER_QUEUE_ITEMS + queue);
   }
 
   void render(const ProgressCallback& progress) {
@@ -188,12 +193,19 @@ struct Renderer::Impl {
   }
 };
 
-Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh, const RenderSettings& settings)
+Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                   const RenderSettings& settings)
     : impl_(std::make_unique<Impl>(device, scene, bvh, settings)) {}
 Renderer::~Renderer() = default;
 
-void Renderer::render(const ProgressCallback& progress) { impl_->render(progress); }
-const Film& Renderer::film() const { return impl_->film; }
-const RenderStatistics& Renderer::statistics() const { return impl_->statistics; }
+void Renderer::render(const ProgressCallback& progress) {
+  impl_->render(progress);
+}
+const Film& Renderer::film() const {
+  return impl_->film;
+}
+const RenderStatistics& Renderer::statistics() const {
+  return impl_->statistics;
+}
 
 }  // namespace regulus::render

@@ -1,6 +1,7 @@
 // The wavefront: renders a sample range of a scene in waves of paths.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -11,6 +12,7 @@
 #include "gpu/gpu.hpp"
 #include "render/film.hpp"
 #include "render/settings.hpp"
+#include "render/stages.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::render {
@@ -23,13 +25,20 @@ struct StageStatistics {
 struct RenderStatistics {
   std::map<std::string, StageStatistics> stages;  ///< by stage name
   uint64_t paths = 0;
-  uint64_t closest_rays = 0, visibility_rays = 0;
+  std::array<uint64_t, interface::QUEUES_PER_BOUNCE> queue_items{};  ///< by QUEUE_*, over all bounces
   uint64_t non_finite = 0;          ///< samples dropped because NaN, infinite or negative: bugs
   uint64_t traversal_overruns = 0;  ///< rays whose traversal hit its step bound: bugs
   uint32_t wave_capacity = 0;       ///< path slots
   uint64_t bytes_per_path = 0;      ///< device memory per path in flight
   double render_seconds = 0;        ///< wall time in render()
   double device_seconds = 0;        ///< sum over stages
+
+  uint64_t closest_rays() const { return queue_items[interface::QUEUE_RAYS]; }
+  uint64_t visibility_rays() const { return queue_items[interface::QUEUE_VISIBILITY]; }
+  /// Items the stage of a step has worked on.
+  uint64_t items(const StageStep& step) const {
+    return step.extent == Extent::Bounce ? queue_items[step.queue] : step.extent == Extent::Once ? 0 : paths;
+  }
 };
 
 /// Called between waves with the paths finished and the paths asked for; return false to stop.
@@ -41,7 +50,8 @@ class Renderer {
  public:
   /// Uploads the scene and builds the pipelines. The scene must have been prepared by
   /// bvh::build_for_scene; `bvh` is its result. Scene and bvh may be freed afterwards.
-  Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh, const RenderSettings& settings);
+  Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+           const RenderSettings& settings);
   ~Renderer();
 
   /// Renders until all samples are done or `progress` returns false. If the device is lost the error is

@@ -1,5 +1,7 @@
 #include "render/stages.hpp"
 
+#include <string_view>
+
 #include "render/shaders.hpp"
 
 namespace regulus::render {
@@ -35,19 +37,23 @@ void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pi
   StageArguments arguments = wave.arguments;
   const uint32_t wave_groups = (arguments.wave_paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE;
   const auto record_extent = [&](Extent extent) {
+    std::string_view previous_shader;
     for (const PipelineStep& entry : pipeline) {
       if (entry.step.extent != extent) continue;
-      if (entry.step.independent) commands.independent();
+      if (entry.step.shader == previous_shader) commands.independent();
+      previous_shader = entry.step.shader;
       if (extent == Extent::Bounce) {
         const uint64_t head = uint64_t{arguments.bounce} * QUEUES_PER_BOUNCE + entry.step.queue;
-        commands.dispatch_indirect(entry.kernel, gpu::bytes_of(arguments), wave.queue_heads, head * sizeof(QueueHead));
+        commands.dispatch_indirect(entry.kernel, gpu::bytes_of(arguments), wave.queue_heads,
+                                   head * sizeof(QueueHead));
       } else {
         commands.dispatch(entry.kernel, gpu::bytes_of(arguments), extent == Extent::Once ? 1 : wave_groups);
       }
     }
   };
   record_extent(Extent::WaveStart);
-  for (arguments.bounce = 0; arguments.bounce < wave.bounces; ++arguments.bounce) record_extent(Extent::Bounce);
+  for (arguments.bounce = 0; arguments.bounce < wave.bounces; ++arguments.bounce)
+    record_extent(Extent::Bounce);
   record_extent(Extent::WaveEnd);
   record_extent(Extent::Once);
 }

@@ -21,32 +21,32 @@ enum class Extent {
   Once,       ///< one workgroup, after everything else
 };
 
-/// One line of a pass.
+/// One line of a pass. Steps that follow each other with the same shader work on different items of the
+/// same queues and need no order between them.
 struct StageStep {
-  const char* shader;           ///< file name in shaders/stages
-  const char* name;             ///< in timings and statistics
+  const char* shader;  ///< file name in shaders/stages
+  const char* name;    ///< in timings and statistics
   Extent extent;
-  uint32_t queue;               ///< QUEUE_*, for Extent::Bounce
-  uint32_t material_class;      ///< MATERIAL_CLASS_*; ANY_CLASS: the stage does not depend on it
-  uint32_t technique;           ///< runs only if this TECHNIQUE_* is enabled; 0: always
-  bool independent;             ///< of the step before: no barrier between the two
+  uint32_t queue;           ///< QUEUE_*, for Extent::Bounce
+  uint32_t material_class;  ///< MATERIAL_CLASS_*; ANY_CLASS: the stage does not depend on it
+  uint32_t technique;       ///< runs only if this TECHNIQUE_* is enabled; 0: always
 };
 
 inline constexpr uint32_t ANY_CLASS = interface::INVALID_INDEX;
 
 // clang-format off
 inline constexpr std::array PATH_TRACING_PASS = {
-    StageStep{"camera_generate",  "camera_generate",  Extent::WaveStart, 0, ANY_CLASS, 0, false},
-    StageStep{"trace_closest",    "trace_closest",    Extent::Bounce, interface::QUEUE_RAYS, ANY_CLASS, 0, false},
+    StageStep{"camera_generate",  "camera_generate",  Extent::WaveStart, 0, ANY_CLASS, 0},
+    StageStep{"trace_closest",    "trace_closest",    Extent::Bounce, interface::QUEUE_RAYS, ANY_CLASS, 0},
     StageStep{"camera_bounce",    "camera_bounce.diffuse", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_DIFFUSE, interface::MATERIAL_CLASS_DIFFUSE, 0, false},
+              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_DIFFUSE, interface::MATERIAL_CLASS_DIFFUSE, 0},
     StageStep{"camera_bounce",    "camera_bounce.opaque", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_OPAQUE, interface::MATERIAL_CLASS_OPAQUE, 0, true},
+              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_OPAQUE, interface::MATERIAL_CLASS_OPAQUE, 0},
     StageStep{"camera_bounce",    "camera_bounce.transmissive", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_TRANSMISSIVE, interface::MATERIAL_CLASS_TRANSMISSIVE, 0, true},
-    StageStep{"trace_visibility", "trace_visibility", Extent::Bounce, interface::QUEUE_VISIBILITY, ANY_CLASS, interface::TECHNIQUE_NEE, false},
-    StageStep{"accumulate",       "accumulate",       Extent::WaveEnd, 0, ANY_CLASS, 0, false},
-    StageStep{"count_work",       "count_work",       Extent::Once, 0, ANY_CLASS, 0, true},
+              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_TRANSMISSIVE, interface::MATERIAL_CLASS_TRANSMISSIVE, 0},
+    StageStep{"trace_visibility", "trace_visibility", Extent::Bounce, interface::QUEUE_VISIBILITY, ANY_CLASS, interface::TECHNIQUE_NEE},
+    StageStep{"accumulate",       "accumulate",       Extent::WaveEnd, 0, ANY_CLASS, 0},
+    StageStep{"count_work",       "count_work",       Extent::Once, 0, ANY_CLASS, 0},
 };
 // clang-format on
 
@@ -71,6 +71,7 @@ struct WaveCommands {
 };
 
 /// Records one wave: every step over its extent, queues dispatched indirectly with exact counts.
-void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, const WaveCommands& wave);
+void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline,
+                 const WaveCommands& wave);
 
 }  // namespace regulus::render

@@ -1,0 +1,12 @@
+// The subcommands. Each function registers one with CLI11; the callback does the work and throws
+// regulus::Error, which main turns into one line and an exit status.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace regulus::cli {
+
+void add_render_command(CLI::App& app);
+void add_devices_command(CLI::App& app);
+
+}  // namespace regulus::cli

@@ -1,0 +1,56 @@
+// Parses the command line and turns every error into one line and an exit status (design.md section 6).
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <new>
+#include <string>
+
+#include "base/error.hpp"
+#include "base/version.hpp"
+#include "cli/bench_kernels.hpp"
+#include "cli/commands.hpp"
+#include "cli/diff.hpp"
+
+namespace {
+
+// One line on stderr, whatever the message contains.
+int fail(std::string message, regulus::ExitStatus status) {
+  std::replace(message.begin(), message.end(), '\n', ' ');
+  std::fprintf(stderr, "regulus: error: %s\n", message.c_str());
+  return static_cast<int>(status);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app{"Regulus: renders glTF scenes with robust light transport on any Vulkan device"};
+  app.set_version_flag("--version", fmt::format("regulus {} (commit {}, {}, {})", regulus::VERSION,
+                                                regulus::COMMIT, regulus::COMPILER, regulus::BUILD_TYPE));
+  app.require_subcommand(1);
+  regulus::cli::add_render_command(app);
+  regulus::cli::add_devices_command(app);
+  regulus::cli::add_diff_command(app);
+  regulus::cli::add_bench_command(app);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    return fail(std::string(error.what()) + " (see --help)", regulus::ExitStatus::BadUsage);
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const regulus::Error& error) {
+    return fail(error.what(), error.status());
+  } catch (const std::bad_alloc&) {
+    return fail("out of memory", regulus::ExitStatus::Failed);
+  } catch (const std::exception& error) {
+    return fail(error.what(), regulus::ExitStatus::Failed);
+  }
+}

@@ -1,0 +1,149 @@
+// regulus render: scene in, picture out.
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <memory>
+
+#include "base/error.hpp"
+#include "bvh/scene_bvh.hpp"
+#include "cli/commands.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/progress.hpp"
+#include "cli/render_options.hpp"
+#include "cli/stats.hpp"
+#include "image/atomic_file.hpp"
+#include "render/renderer.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+
+// Seconds since the last call.
+class Stopwatch {
+ public:
+  double lap() {
+    const auto now = Clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  Clock::time_point last_ = Clock::now();
+};
+
+void set_log_level(const RenderOptions& options) {
+  spdlog::set_level(options.is_quiet     ? spdlog::level::err
+                    : options.is_verbose ? spdlog::level::info
+                                         : spdlog::level::warn);
+}
+
+// An output that cannot be written is better known before an hour of rendering than after it.
+void require_writable(const fs::path& file, const char* option) {
+  if (file.empty()) return;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
+                                                file.string(), folder.string()));
+  if (fs::is_directory(file, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
+}
+
+struct Outputs {
+  fs::path exr, png, stats;
+};
+
+Outputs resolve_outputs(const RenderOptions& options) {
+  Outputs outputs{options.output, options.png, options.stats};
+  if (outputs.exr.empty()) outputs.exr = fs::path(options.scene_file).filename().replace_extension(".exr");
+  require_writable(outputs.exr, "--output");
+  require_writable(outputs.png, "--png");
+  require_writable(outputs.stats, "--stats");
+  return outputs;
+}
+
+void write_outputs(const Outputs& outputs, const RenderOptions& options, const render::Renderer& renderer,
+                   const image::Attributes& attributes, const nlohmann::json& statistics) {
+  const image::Image image = render::resolve(renderer.film());
+  image::write_exr(outputs.exr, image, attributes);
+  if (!outputs.png.empty()) image::write_png(outputs.png, image, options.exposure_ev);
+  if (!outputs.stats.empty()) image::write_file_atomically(outputs.stats, statistics.dump(2) + "\n");
+}
+
+void report(const render::Renderer& renderer, const render::RenderSettings& settings,
+            const Outputs& outputs) {
+  const render::RenderStatistics& statistics = renderer.statistics();
+  if (statistics.non_finite > 0)
+    spdlog::error("{} samples were not finite and were dropped: a bug, please report the scene",
+                  statistics.non_finite);
+  if (statistics.traversal_overruns > 0)
+    spdlog::error("{} rays hit the traversal's step bound: a bug, please report the scene",
+                  statistics.traversal_overruns);
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)", outputs.exr.string(),
+               settings.width, settings.height, statistics.paths / pixels, statistics.render_seconds,
+               1e-6 * static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9));
+}
+
+void render_scene(CLI::App& command, const RenderOptions& options) {
+  set_log_level(options);
+  const Outputs outputs = resolve_outputs(options);
+  Stopwatch stopwatch;
+  LoadTimes times;
+
+  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external});
+  apply_scene_settings(command, scene);
+  const render::RenderSettings settings = resolve_settings(options, scene);
+  for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
+  times.load_seconds = stopwatch.lap();
+
+  const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  times.bvh_seconds = stopwatch.lap();
+  spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
+               scene.triangles.size(), scene.lights.size(), times.load_seconds, times.bvh_seconds);
+
+  gpu::Device device({options.device, true});
+  if (device.info().kind == gpu::DeviceKind::Software)
+    spdlog::info("device {}: software, rendering on the CPU", device.info().name);
+  else
+    spdlog::info("device {}", device.info().name);
+  render::Renderer renderer(device, scene, bvh, settings);
+  times.pipeline_seconds = device.pipeline_seconds();
+
+  catch_interrupts();
+  std::exception_ptr failure;
+  try {
+    ProgressLine progress(!options.is_quiet);
+    renderer.render([&](uint64_t done, uint64_t total) {
+      progress.update(done, total);
+      return !is_interrupted();
+    });
+  } catch (const Error&) {
+    failure = std::current_exception();  // a lost device: what was rendered before is still written
+    if (renderer.film().paths == 0) throw;
+  }
+  write_outputs(outputs, options, renderer, image_attributes(device, scene, settings, renderer),
+                render_statistics(device, scene, settings, renderer, times));
+  report(renderer, settings, outputs);
+  if (failure) std::rethrow_exception(failure);
+  if (renderer.film().paths < uint64_t{settings.width} * settings.height * settings.samples)
+    throw Error(ExitStatus::Interrupted,
+                fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));
+}
+
+}  // namespace
+
+void add_render_command(CLI::App& app) {
+  const auto options = std::make_shared<RenderOptions>();
+  CLI::App* command = app.add_subcommand("render", "Render a glTF scene to OpenEXR");
+  declare_render_options(*command, *options);
+  command->callback([command, options] { render_scene(*command, *options); });
+}
+
+}  // namespace regulus::cli

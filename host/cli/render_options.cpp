@@ -1,0 +1,162 @@
+#include "cli/render_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <set>
+#include <sstream>
+
+#include "base/error.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using namespace interface;
+
+// Film sizes beyond this are refused: 2^31 pixels would overflow path indices.
+constexpr uint32_t MAX_SIDE = 32768;
+
+const std::map<std::string, uint32_t> NDF_NAMES = {
+    {"ggx", NDF_GGX}, {"beckmann", NDF_BECKMANN}, {"cosine", NDF_COSINE}};
+const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMITH},
+                                                         {"smith-uncorrelated", SHADOWING_SMITH_UNCORRELATED},
+                                                         {"v-cavity", SHADOWING_V_CAVITY}};
+const std::map<std::string, uint32_t> FILTER_NAMES = {{"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}};
+const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT}, {"nee", TECHNIQUE_NEE}};
+const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"}};
+
+// Options that say where things go or come from: not a scene's business.
+const std::set<std::string> COMMAND_LINE_ONLY = {"output",         "png",   "stats",   "device", "scene",
+                                                 "allow-external", "quiet", "verbose", "help",   "wave"};
+
+glm::uvec2 parse_size(const std::string& text) {
+  glm::uvec2 size{0};
+  const size_t x = text.find('x');
+  const auto parse = [](std::string_view part, uint32_t& value) {
+    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+    return error == std::errc{} && end == part.data() + part.size() && value >= 1 && value <= MAX_SIDE;
+  };
+  if (x == std::string::npos || !parse(std::string_view(text).substr(0, x), size.x) ||
+      !parse(std::string_view(text).substr(x + 1), size.y))
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--size {}: expected WIDTHxHEIGHT with sides from 1 to {}, such as 1280x720",
+                            text, MAX_SIDE));
+  return size;
+}
+
+uint32_t find_camera(const std::string& wanted, const scene::Scene& scene) {
+  std::string names;
+  for (uint32_t i = 0; i < scene.cameras.size(); ++i) {
+    if (wanted == scene.cameras[i].name || wanted == std::to_string(i)) return i;
+    names += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, scene.cameras[i].name);
+  }
+  throw Error(ExitStatus::BadUsage,
+              fmt::format("--camera {}: {} has {}", wanted, scene.path.string(), names));
+}
+
+glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera) {
+  if (scene.resolution) return *scene.resolution;
+  const float aspect = scene.cameras[camera].aspect_ratio;
+  if (!(aspect > 0)) return {1280, 720};
+  return {1280,
+          static_cast<uint32_t>(std::clamp(std::round(1280 / aspect), 1.0f, static_cast<float>(MAX_SIDE)))};
+}
+
+uint32_t parse_techniques(const std::string& list) {
+  uint32_t techniques = 0;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) {
+    const auto found = TECHNIQUE_NAMES.find(name);
+    if (found == TECHNIQUE_NAMES.end())
+      throw Error(ExitStatus::BadUsage,
+                  fmt::format("--techniques {}: \"{}\" is not one of hit, nee", list, name));
+    techniques |= found->second;
+  }
+  if (techniques == 0) throw Error(ExitStatus::BadUsage, "--techniques: the list is empty");
+  return techniques;
+}
+
+}  // namespace
+
+void declare_render_options(CLI::App& command, RenderOptions& options) {
+  render::RenderSettings& settings = options.settings;
+  command.add_option("scene-file", options.scene_file, "The .gltf or .glb file to render")
+      ->required()
+      ->type_name("SCENE");
+  command.add_option("-o,--output", options.output, "OpenEXR file to write (default: the scene's name)");
+  command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG");
+  command.add_option("--exposure", options.exposure_ev, "Exposure of the PNG, in stops")
+      ->check(CLI::Range(-100.0, 100.0));
+  command.add_option("-i,--integrator", options.integrator, "A named set of techniques: pt")
+      ->check(CLI::IsMember(INTEGRATORS));
+  command.add_option("--techniques", options.techniques,
+                     "The techniques themselves, comma-separated: hit,nee");
+  command.add_option("-s,--spp", settings.samples, "Samples per pixel")
+      ->check(CLI::Range(1u, 1u << 24))
+      ->capture_default_str();
+  command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
+  command.add_option("--camera", options.camera, "Camera by name or index");
+  command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
+  command.add_option("--max-depth", settings.max_depth, "Longest path, in edges")
+      ->check(CLI::Range(1u, 1024u))
+      ->capture_default_str();
+  command.add_option("--seed", settings.seed, "Seed of the random numbers")->capture_default_str();
+  command.add_option("--ndf", settings.ndf, "Microfacet distribution: ggx, beckmann, cosine")
+      ->transform(CLI::CheckedTransformer(NDF_NAMES))
+      ->default_str("ggx");
+  command
+      .add_option("--shadowing", settings.shadowing,
+                  "Masking-shadowing: smith (height-correlated), smith-uncorrelated, v-cavity")
+      ->transform(CLI::CheckedTransformer(SHADOWING_NAMES))
+      ->default_str("smith");
+  command
+      .add_option("--filter", settings.filter, "Pixel filter: gaussian (sigma 0.5, radius 1.5 pixels), box")
+      ->transform(CLI::CheckedTransformer(FILTER_NAMES))
+      ->default_str("gaussian");
+  command.add_option("--device", options.device,
+                     "Vulkan device by index or part of its name (see regulus devices)");
+  command.add_option("--wave", settings.wave_paths,
+                     "Paths in flight (default: chosen for the device; never changes the image)");
+  command.add_option("--stats", options.stats, "JSON file with times, rays and memory");
+  command.add_flag("--allow-external", options.allow_external,
+                   "Let the scene refer to files outside its folder");
+  command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
+  command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
+}
+
+void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
+  for (const auto& [name, value] : scene.settings) {
+    CLI::Option* option = command.get_option_no_throw("--" + name);
+    if (option == nullptr || COMMAND_LINE_ONLY.contains(name)) {
+      scene.warnings.push_back(
+          fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored", name));
+    } else if (option->count() == 0) {
+      try {
+        option->add_result(value);
+        option->run_callback();
+      } catch (const CLI::ParseError& error) {
+        throw Error(ExitStatus::BadFile,
+                    fmt::format("{}: extras.regulus.{}: {}", scene.path.string(), name, error.what()));
+      }
+    }
+  }
+}
+
+render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene) {
+  render::RenderSettings settings = options.settings;
+  settings.camera = options.camera.empty() ? 0 : find_camera(options.camera, scene);
+  const glm::uvec2 size =
+      options.size.empty() ? default_size(scene, settings.camera) : parse_size(options.size);
+  settings.width = size.x;
+  settings.height = size.y;
+  settings.techniques =
+      parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
+  if (settings.filter == FILTER_BOX) settings.filter_radius = 0.5f;
+  return settings;
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,43 @@
+// The options of `regulus render`.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+
+#include "render/settings.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::cli {
+
+/// What the command line of `render` says, before the scene is known.
+struct RenderOptions {
+  std::string scene_file;
+  std::string output;  ///< EXR; empty: the scene's name with .exr in the working folder
+  std::string png;     ///< empty: none
+  std::string stats;   ///< empty: none
+  std::string size;    ///< WxH; empty: the scene's resolution, else 1280 wide at the camera's aspect
+  std::string camera;  ///< index or name; empty: the first
+  std::string integrator = "pt";
+  std::string techniques;  ///< comma-separated; empty: the integrator's
+  std::string device;
+  float exposure_ev = 0;
+  std::optional<uint32_t> scene_index;
+  bool allow_external = false;
+  bool is_quiet = false, is_verbose = false;
+  render::RenderSettings settings;
+};
+
+/// Declares the options on the subcommand. `options` must outlive the parse.
+void declare_render_options(CLI::App& command, RenderOptions& options);
+
+/// Takes the settings of scenes[].extras.regulus for every option the command line did not give.
+/// Unknown names and names that make no sense in a scene become warnings of the scene.
+/// @throws regulus::Error (BadFile) for a value the option does not take
+void apply_scene_settings(CLI::App& command, scene::Scene& scene);
+
+/// The settings of the render once the scene is known: size, camera, techniques resolved.
+/// @throws regulus::Error (BadUsage) naming the option
+render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene);
+
+}  // namespace regulus::cli

@@ -1,0 +1,150 @@
+#include "cli/stats.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include "base/version.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using namespace interface;
+
+constexpr std::pair<const char*, uint32_t> FEATURE_NAMES[] = {
+    {"textures", FEATURE_TEXTURES},
+    {"triangle_lights", FEATURE_TRIANGLE_LIGHTS},
+    {"point_lights", FEATURE_POINT_LIGHTS},
+    {"directional_lights", FEATURE_DIRECTIONAL_LIGHTS},
+    {"rough_specular", FEATURE_ROUGH_SPECULAR},
+    {"delta_specular", FEATURE_DELTA_SPECULAR},
+    {"absorption", FEATURE_ABSORPTION},
+    {"many_lights", FEATURE_MANY_LIGHTS},
+    {"smooth_normals", FEATURE_SMOOTH_NORMALS},
+    {"two_sided_lights", FEATURE_TWO_SIDED_LIGHTS}};
+constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
+constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
+constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
+constexpr const char* FILTER_NAMES[] = {"box", "gaussian"};
+
+nlohmann::json settings_json(const render::RenderSettings& settings) {
+  nlohmann::json techniques = nlohmann::json::array();
+  if (settings.techniques & TECHNIQUE_HIT) techniques.push_back("hit");
+  if (settings.techniques & TECHNIQUE_NEE) techniques.push_back("nee");
+  return {{"width", settings.width},
+          {"height", settings.height},
+          {"camera", settings.camera},
+          {"first_sample", settings.first_sample},
+          {"samples", settings.samples},
+          {"max_depth", settings.max_depth},
+          {"seed", settings.seed},
+          {"techniques", techniques},
+          {"ndf", NDF_NAMES[settings.ndf]},
+          {"shadowing", SHADOWING_NAMES[settings.shadowing]},
+          {"filter", FILTER_NAMES[settings.filter]},
+          {"filter_radius", settings.filter_radius},
+          {"filter_sigma", settings.filter_sigma}};
+}
+
+nlohmann::json scene_json(const scene::Scene& scene) {
+  const scene::Features features = scene::find_features(scene);
+  nlohmann::json present = nlohmann::json::array(), absent = nlohmann::json::array(),
+                 classes = nlohmann::json::array();
+  for (const auto& [name, bit] : FEATURE_NAMES) (features.bits & bit ? present : absent).push_back(name);
+  for (uint32_t i = 0; i < MATERIAL_CLASS_COUNT; ++i)
+    if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
+  return {{"file", scene.path.string()},
+          {"hash", fmt::format("{:016x}", scene.hash)},
+          {"triangles", scene.triangles.size()},
+          {"materials", scene.materials.size()},
+          {"textures", scene.textures.size()},
+          {"lights", scene.lights.size()},
+          {"features", present},
+          {"features_absent", absent},
+          {"material_classes", classes}};
+}
+
+// Every step of the pass: those that did not run are listed as skipped.
+nlohmann::json stages_json(const render::RenderSettings& settings, const scene::Scene& scene,
+                           const render::RenderStatistics& statistics) {
+  const scene::Features features = scene::find_features(scene);
+  nlohmann::json stages = nlohmann::json::array();
+  for (const render::StageStep& step : render::PATH_TRACING_PASS) {
+    const auto found = statistics.stages.find(step.name);
+    const render::StageStatistics stage =
+        found == statistics.stages.end() ? render::StageStatistics{} : found->second;
+    stages.push_back({{"name", step.name},
+                      {"dispatches", stage.dispatches},
+                      {"items", statistics.items(step)},
+                      {"device_ms", stage.device_ms},
+                      {"skipped", !render::is_needed(step, features, settings)}});
+  }
+  return stages;
+}
+
+double cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](timeval time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+uint64_t host_peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace
+
+nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
+                                 const render::RenderSettings& settings, const render::Renderer& renderer,
+                                 const LoadTimes& times) {
+  const render::RenderStatistics& statistics = renderer.statistics();
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  return {{"version", VERSION},
+          {"commit", COMMIT},
+          {"device", {{"name", device.info().name}, {"driver", device.info().driver}}},
+          {"scene", scene_json(scene)},
+          {"settings", settings_json(settings)},
+          {"seconds",
+           {{"load", times.load_seconds},
+            {"bvh", times.bvh_seconds},
+            {"pipelines", times.pipeline_seconds},
+            {"render", statistics.render_seconds},
+            {"device", statistics.device_seconds},
+            {"cpu", cpu_seconds()}}},
+          {"stages", stages_json(settings, scene, statistics)},
+          {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
+          {"spp_done", statistics.paths / pixels},
+          {"samples", statistics.paths},
+          {"samples_per_second",
+           static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9)},
+          {"non_finite", statistics.non_finite},
+          {"traversal_overruns", statistics.traversal_overruns},
+          {"wave_paths", statistics.wave_capacity},
+          {"bytes_per_path", statistics.bytes_per_path},
+          {"device_peak_bytes", device.peak_allocated_bytes()},
+          {"host_peak_bytes", host_peak_bytes()}};
+}
+
+image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
+                                   const render::RenderSettings& settings, const render::Renderer& renderer) {
+  image::Attributes attributes;
+  for (const auto& [name, value] : settings_json(settings).items())
+    attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
+  attributes["regulus:samples_done"] =
+      std::to_string(renderer.statistics().paths / (uint64_t{settings.width} * settings.height));
+  attributes["regulus:scene"] = scene.path.string();
+  attributes["regulus:scene_hash"] = fmt::format("{:016x}", scene.hash);
+  attributes["regulus:device"] = device.info().name;
+  attributes["regulus:driver"] = device.info().driver;
+  attributes["regulus:version"] = fmt::format("{} ({})", VERSION, COMMIT);
+  attributes["regulus:render_seconds"] = fmt::format("{:.3f}", renderer.statistics().render_seconds);
+  attributes["regulus:non_finite"] = std::to_string(renderer.statistics().non_finite);
+  return attributes;
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,27 @@
+// The record of a render: JSON for --stats, `regulus:` attributes for the image.
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "gpu/gpu.hpp"
+#include "image/image.hpp"
+#include "render/renderer.hpp"
+#include "render/stages.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::cli {
+
+/// Wall seconds of the phases before rendering.
+struct LoadTimes {
+  double load_seconds = 0, bvh_seconds = 0, pipeline_seconds = 0;
+};
+
+/// design.md section 7. samples_done is per pixel, complete ones.
+nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
+                                 const render::RenderSettings& settings, const render::Renderer& renderer,
+                                 const LoadTimes& times);
+
+image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
+                                   const render::RenderSettings& settings, const render::Renderer& renderer);
+
+}  // namespace regulus::cli
