@@ -26,14 +26,15 @@ struct DeviceInfo {
   std::string name;
   std::string driver;  ///< driver name and version text
   DeviceKind kind = DeviceKind::Other;
-  uint32_t api_version = 0;            ///< VK_MAKE_API_VERSION encoding
-  std::vector<std::string> missing;    ///< needed features and limits it lacks, one phrase each; empty: usable
-  bool has_int64 = false;              ///< shaderInt64
+  uint32_t api_version = 0;          ///< VK_MAKE_API_VERSION encoding
+  std::vector<std::string> missing;  ///< needed features and limits it lacks, one phrase each; empty: usable
+  bool has_int64 = false;            ///< shaderInt64
   uint32_t subgroup_size = 0;
-  uint64_t heap_bytes = 0;             ///< size of the largest device-local heap
-  uint64_t max_allocation_bytes = 0;   ///< maxMemoryAllocationSize
+  uint64_t heap_bytes = 0;            ///< size of the largest device-local heap
+  uint64_t max_allocation_bytes = 0;  ///< maxMemoryAllocationSize
   uint32_t max_workgroup_size = 0;
-  double timestamp_ns = 0;             ///< nanoseconds per timestamp tick; 0: no device time
+  uint32_t max_groups = 0;  ///< most groups of one dispatch
+  double timestamp_ns = 0;  ///< nanoseconds per timestamp tick; 0: no device time
   bool usable() const { return missing.empty(); }
 };
 
@@ -92,8 +93,8 @@ class CommandList {
 
   void dispatch(const Kernel& kernel, std::span<const std::byte> push_constants, uint32_t groups);
   /// Group counts are the three words at `offset` of `buffer`.
-  void dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push_constants, const Buffer& buffer,
-                         uint64_t offset);
+  void dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push_constants,
+                         const Buffer& buffer, uint64_t offset);
   void fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t word);
   void copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset, uint64_t bytes);
   /// The next command does not depend on the previous one: no barrier between them.

@@ -1,0 +1,113 @@
+// Opening a device.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "gpu/faults.hpp"
+#include "gpu/limits.hpp"
+#include "gpu/selection.hpp"
+#include "gpu/state.hpp"
+
+namespace regulus::gpu {
+namespace {
+
+Candidate choose(const Instance* instance, std::string_view select) {
+  std::vector<Candidate> candidates;
+  if (instance) candidates = find_devices(*instance);
+  std::vector<DeviceInfo> infos;
+  for (const Candidate& candidate : candidates) infos.push_back(candidate.info);
+  return candidates[select_device(infos, select)];
+}
+
+bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
+  const auto extensions = physical.enumerateDeviceExtensionProperties();
+  return std::any_of(extensions.begin(), extensions.end(),
+                     [&](const auto& extension) { return name == extension.extensionName.data(); });
+}
+
+vk::raii::Device open(const Candidate& chosen, bool with_memory_budget) {
+  const float priority = 1;
+  const vk::DeviceQueueCreateInfo queue({}, chosen.queue_family, 1, &priority);
+  std::vector<const char*> extensions;
+  if (with_memory_budget) extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+
+  vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>
+      create;
+  create.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue).setPEnabledExtensionNames(extensions);
+  create.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 = chosen.info.has_int64;
+  create.get<vk::PhysicalDeviceVulkan12Features>().setBufferDeviceAddress(true).setScalarBlockLayout(true);
+  try {
+    return {chosen.physical, create.get<vk::DeviceCreateInfo>()};
+  } catch (const vk::SystemError& error) {
+    throw Error(ExitStatus::NoDevice, fmt::format("device {} cannot be opened ({}); try another --device",
+                                                  chosen.info.name, error.what()));
+  }
+}
+
+DriverIdentity identify(const vk::PhysicalDeviceProperties& properties) {
+  DriverIdentity identity{.vendor = properties.vendorID,
+                          .device = properties.deviceID,
+                          .driver_version = properties.driverVersion};
+  std::copy(properties.pipelineCacheUUID.begin(), properties.pipelineCacheUUID.end(),
+            identity.cache_uuid.begin());
+  return identity;
+}
+
+}  // namespace
+
+Faults& faults() {
+  static Faults faults;
+  return faults;
+}
+
+DeviceState::DeviceState(const DeviceOptions& options)
+    : instance(Instance::open()), chosen(choose(instance.get(), options.select)) {
+  has_memory_budget = has_extension(chosen.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  memory = chosen.physical.getMemoryProperties();
+  device = open(chosen, has_memory_budget);
+  queue = vk::raii::Queue(device, chosen.queue_family, 0);
+  pool = vk::raii::CommandPool(device,
+                               {vk::CommandPoolCreateFlagBits::eResetCommandBuffer, chosen.queue_family});
+  const vk::PushConstantRange range(vk::ShaderStageFlagBits::eCompute, 0, PUSH_CONSTANT_BYTES);
+  layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, {}, range));
+  driver = identify(chosen.physical.getProperties());
+  if (options.pipeline_cache) cache_folder = gpu::cache_folder();
+}
+
+void DeviceState::throw_lost(std::span<const std::string> stages, int completed) {
+  is_lost = true;
+  throw Error(ExitStatus::NoDevice, lost_message(info().name, stages, completed));
+}
+
+Device::Device(const DeviceOptions& options)
+    : impl(std::make_unique<Impl>(Impl{std::make_shared<DeviceState>(options)})) {}
+
+Device::~Device() {
+  DeviceState& state = *impl->state;
+  try {
+    if (!state.is_lost) state.device.waitIdle();
+  } catch (const vk::SystemError&) {
+    state.is_lost = true;  // nothing is left to wait for
+  }
+  if (state.has_new_pipelines) prune_cache(state.cache_folder, CACHED_KERNELS);
+}
+
+const DeviceInfo& Device::info() const {
+  return impl->state->info();
+}
+uint64_t Device::allocated_bytes() const {
+  return impl->state->allocated_bytes;
+}
+uint64_t Device::peak_allocated_bytes() const {
+  return impl->state->peak_allocated_bytes;
+}
+uint64_t Device::free_bytes() const {
+  return impl->state->free_bytes();
+}
+double Device::pipeline_seconds() const {
+  return impl->state->pipeline_seconds;
+}
+
+}  // namespace regulus::gpu

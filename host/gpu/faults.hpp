@@ -1,0 +1,17 @@
+// Faults that a test can ask the device layer to pretend, because no test can cause them for real. All off in
+// normal use. Internal to host/gpu and its tests.
+#pragma once
+
+namespace regulus::gpu {
+
+/// Each fault stays on until it is switched off.
+struct Faults {
+  bool lost_at_submit = false;  ///< submitting finds the device lost; nothing is handed to it
+  bool lost_at_wait = false;    ///< waiting finds the device lost, after the work has really ended
+  bool out_of_memory = false;   ///< the driver has no memory for a buffer
+};
+
+/// The faults of this process.
+Faults& faults();
+
+}  // namespace regulus::gpu

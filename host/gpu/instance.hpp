@@ -1,0 +1,31 @@
+// The Vulkan instance and the physical devices behind it. Internal to host/gpu.
+#pragma once
+
+#include <memory>
+#include <vector>
+#include <vulkan/vulkan_raii.hpp>
+
+#include "gpu/gpu.hpp"
+
+namespace regulus::gpu {
+
+/// Opens the Vulkan loader and an instance; null if there is no loader or no driver.
+struct Instance {
+  vk::raii::Context context;
+  vk::raii::Instance handle;
+
+  static std::shared_ptr<Instance> open();
+};
+
+/// A device that could be opened.
+struct Candidate {
+  DeviceInfo info;
+  vk::raii::PhysicalDevice physical;
+  uint32_t queue_family = 0;  ///< first one with compute
+  uint32_t timestamp_bits = 0;
+};
+
+/// All devices in order of preference, their indices set.
+std::vector<Candidate> find_devices(const Instance& instance);
+
+}  // namespace regulus::gpu

@@ -1,0 +1,80 @@
+// Compute pipelines.
+#include <fmt/format.h>
+
+#include <chrono>
+
+#include "base/error.hpp"
+#include "gpu/state.hpp"
+
+namespace regulus::gpu {
+namespace {
+
+/// All constants are 32-bit words.
+struct Specialization {
+  std::vector<uint32_t> values;
+  std::vector<vk::SpecializationMapEntry> entries;
+
+  explicit Specialization(const KernelDescription& description) {
+    for (const auto& [id, value] : description.constants) {
+      entries.emplace_back(id, static_cast<uint32_t>(values.size() * sizeof(uint32_t)), sizeof(uint32_t));
+      values.push_back(value);
+    }
+  }
+  vk::SpecializationInfo info() const {
+    return {static_cast<uint32_t>(entries.size()), entries.data(), values.size() * sizeof(uint32_t),
+            values.data()};
+  }
+};
+
+vk::raii::Pipeline compile(const DeviceState& state, const KernelDescription& description,
+                           const vk::raii::PipelineCache& cache) {
+  const vk::raii::ShaderModule shader(
+      state.device, vk::ShaderModuleCreateInfo({}, description.spirv.size_bytes(), description.spirv.data()));
+  const Specialization specialization(description);
+  const vk::SpecializationInfo constants = specialization.info();
+  const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *shader, "main",
+                                                &constants);
+  return {state.device, cache, vk::ComputePipelineCreateInfo({}, stage, *state.layout)};
+}
+
+/// Compiles with the help of the user's cache folder, and leaves there what was new.
+vk::raii::Pipeline compile_cached(DeviceState& state, const KernelDescription& description) {
+  const PipelineCacheFile file(state.cache_folder, state.driver, description);
+  const std::vector<std::byte> known = file.load();
+  const vk::raii::PipelineCache cache(state.device,
+                                      vk::PipelineCacheCreateInfo({}, known.size(), known.data()));
+  vk::raii::Pipeline pipeline = compile(state, description, cache);
+  const std::vector<uint8_t> data = cache.getData();
+  if (data.size() != known.size()) {
+    file.store(std::as_bytes(std::span(data)));
+    state.has_new_pipelines = true;
+  }
+  return pipeline;
+}
+
+}  // namespace
+
+Kernel::Kernel() = default;
+Kernel::~Kernel() = default;
+Kernel::Kernel(Kernel&&) noexcept = default;
+Kernel& Kernel::operator=(Kernel&&) noexcept = default;
+
+Kernel Device::create_kernel(const KernelDescription& description) {
+  const auto begin = std::chrono::steady_clock::now();
+  DeviceState& state = *impl->state;
+  Kernel kernel;
+  try {
+    vk::raii::Pipeline pipeline = state.cache_folder.empty() ? compile(state, description, nullptr)
+                                                             : compile_cached(state, description);
+    kernel.impl.reset(new Kernel::Impl{impl->state, description.name, std::move(pipeline)});
+  } catch (const vk::SystemError& error) {
+    if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);
+    throw Error(ExitStatus::Failed,
+                fmt::format("the driver of {} cannot compile stage {} ({}); try another --device or driver",
+                            state.info().name, description.name, error.what()));
+  }
+  state.pipeline_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return kernel;
+}
+
+}  // namespace regulus::gpu

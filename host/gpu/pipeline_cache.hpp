@@ -1,0 +1,51 @@
+// The compiled form of one kernel in the user's cache folder: one file per device, driver, shader and
+// specialization. Knows files only; nothing that goes wrong with them is an error, the kernel is then
+// compiled again. Internal to host/gpu and its tests.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "gpu/gpu.hpp"
+
+namespace regulus::gpu {
+
+/// What must agree before a driver may be given cached data.
+struct DriverIdentity {
+  uint32_t vendor = 0;
+  uint32_t device = 0;
+  uint32_t driver_version = 0;
+  std::array<uint8_t, 16> cache_uuid{};
+};
+
+/// $XDG_CACHE_HOME/regulus or ~/.cache/regulus; empty if neither is set.
+std::filesystem::path cache_folder();
+
+class PipelineCacheFile {
+ public:
+  /// An empty folder makes a cache that holds nothing.
+  PipelineCacheFile(std::filesystem::path folder, const DriverIdentity& driver,
+                    const KernelDescription& kernel);
+
+  /// Data for vkCreatePipelineCache; empty unless the file is there, whole, and of this driver and kernel.
+  std::vector<std::byte> load() const;
+  /// Replaces the file in one step: a reader finds the old or the new one.
+  void store(std::span<const std::byte> data) const;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  DriverIdentity driver_;
+  uint64_t key_ = 0;
+  std::filesystem::path path_;
+};
+
+/// Deletes the files that were written longest ago until `keep` are left: kernels of older versions of the
+/// renderer are never asked for again.
+void prune_cache(const std::filesystem::path& folder, size_t keep);
+
+}  // namespace regulus::gpu

@@ -1,0 +1,112 @@
+#include "gpu/selection.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <charconv>
+
+#include "base/error.hpp"
+
+namespace regulus::gpu {
+namespace {
+
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+std::string describe(const DeviceInfo& device) {
+  std::string text = fmt::format("{}: {}", device.index, device.name);
+  if (!device.usable()) text += fmt::format(" (lacks {})", fmt::join(device.missing, ", "));
+  return text;
+}
+
+std::string describe_all(std::span<const DeviceInfo> devices) {
+  std::vector<std::string> lines;
+  for (const DeviceInfo& device : devices) lines.push_back(describe(device));
+  return fmt::format("{}", fmt::join(lines, "; "));
+}
+
+[[noreturn]] void fail(const std::string& message) {
+  throw Error(ExitStatus::NoDevice, message);
+}
+
+/// The positions that `select` can mean. A number is an index if there is a device of that index, otherwise
+/// it is looked for in the names ("3090").
+std::vector<size_t> matches(std::span<const DeviceInfo> devices, std::string_view select) {
+  size_t index = 0;
+  const auto [end, status] = std::from_chars(select.data(), select.data() + select.size(), index);
+  const bool is_number = status == std::errc() && end == select.data() + select.size();
+  if (is_number && index < devices.size()) return {index};
+
+  std::vector<size_t> found;
+  const std::string wanted = lower_case(select);
+  for (size_t i = 0; i < devices.size(); ++i)
+    if (lower_case(devices[i].name).find(wanted) != std::string::npos) found.push_back(i);
+  return found;
+}
+
+}  // namespace
+
+int preference(DeviceKind kind) {
+  switch (kind) {
+    case DeviceKind::Discrete:
+      return 0;
+    case DeviceKind::Integrated:
+      return 1;
+    case DeviceKind::Virtual:
+      return 2;
+    case DeviceKind::Other:
+      return 3;
+    case DeviceKind::Software:
+      return 4;
+  }
+  return 3;
+}
+
+size_t select_device(std::span<const DeviceInfo> devices, std::string_view select) {
+  if (devices.empty())
+    fail("no Vulkan device: install a Vulkan driver (on Debian: mesa-vulkan-drivers, libvulkan1)");
+
+  if (select.empty()) {
+    const auto usable = std::find_if(devices.begin(), devices.end(), [](auto& d) { return d.usable(); });
+    if (usable == devices.end()) fail("no usable Vulkan device; there is " + describe_all(devices));
+    return static_cast<size_t>(usable - devices.begin());
+  }
+
+  const std::vector<size_t> found = matches(devices, select);
+  if (found.empty())
+    fail(fmt::format("--device {}: no such device; there is {}", select, describe_all(devices)));
+  if (found.size() > 1)
+    fail(fmt::format("--device {}: more than one device has this name, give the index; there is {}", select,
+                     describe_all(devices)));
+  const DeviceInfo& chosen = devices[found.front()];
+  if (!chosen.usable())
+    fail(fmt::format("--device {}: {} cannot be used, it lacks {}", select, chosen.name,
+                     fmt::join(chosen.missing, ", ")));
+  return found.front();
+}
+
+std::string lost_message(const std::string& device, std::span<const std::string> stages, int completed) {
+  const auto count = static_cast<int>(stages.size());
+  std::string when;
+  if (stages.empty()) {
+    when = "while copying memory";
+  } else if (completed >= count) {
+    when = fmt::format("after stage {}", stages.back());
+  } else if (completed >= 0) {
+    when = fmt::format("while running stage {}", stages[static_cast<size_t>(completed)]);
+  } else {
+    std::vector<std::string> distinct;
+    for (const std::string& stage : stages)
+      if (std::find(distinct.begin(), distinct.end(), stage) == distinct.end()) distinct.push_back(stage);
+    when = fmt::format("while running stage {}", fmt::join(distinct, " or "));
+  }
+  return fmt::format("device {} lost {}; try another --device or a newer driver", device, when);
+}
+
+}  // namespace regulus::gpu

@@ -1,0 +1,26 @@
+// Which of the machine's devices to open: pure functions of their descriptions. Internal to host/gpu and its
+// tests.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "gpu/gpu.hpp"
+
+namespace regulus::gpu {
+
+/// Sort key of a device kind: discrete, integrated, virtual, other, software.
+int preference(DeviceKind kind);
+
+/// Position in `devices` of the one that `select` names: an index, or a part of exactly one name in any case;
+/// empty: the first usable one. Throws Error (NoDevice) that lists what there is if the choice is unknown,
+/// ambiguous or cannot be used.
+size_t select_device(std::span<const DeviceInfo> devices, std::string_view select);
+
+/// The error message for a lost device. `completed`: how many of the submission's stages are known to have
+/// ended; negative: not known.
+std::string lost_message(const std::string& device, std::span<const std::string> stages, int completed);
+
+}  // namespace regulus::gpu
