@@ -1,0 +1,207 @@
+#include "reference/bsdf.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/sampling.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec3;
+using std::numbers::pi;
+
+namespace {
+
+dvec3 mirror_z(const dvec3& w) {
+  return {w.x, w.y, -w.z};
+}
+
+/// Solid angle of h per solid angle of the refracted wi. Walter 2007, eq. 17.
+double refraction_jacobian(const dvec3& wo, const dvec3& wi, const dvec3& h, double eta) {
+  const double denominator = eta * dot(wi, h) + dot(wo, h);
+  return eta * eta * std::abs(dot(wi, h)) / (denominator * denominator);
+}
+
+}  // namespace
+
+double luminance(const dvec3& color) {
+  return dot(color, dvec3(0.2126, 0.7152, 0.0722));
+}
+
+dvec3 reflection_half_vector(const dvec3& wo, const dvec3& wi) {
+  return normalize(wo + wi);
+}
+
+dvec3 refraction_half_vector(const dvec3& wo, const dvec3& wi, double eta) {
+  const dvec3 h = normalize(wo + eta * wi);
+  return h.z < 0 ? -h : h;
+}
+
+dvec3 reflect_at(const dvec3& wo, const dvec3& h) {
+  return 2 * dot(wo, h) * h - wo;
+}
+
+dvec3 refract_at(const dvec3& wo, const dvec3& h, double eta) {
+  const double cos_o = dot(wo, h);
+  const double sin2_i = (1 - cos_o * cos_o) / (eta * eta);
+  if (sin2_i > 1) return dvec3(0);
+  return (cos_o / eta - std::sqrt(1 - sin2_i)) * h - wo / eta;
+}
+
+Bsdf::Bsdf(const BsdfParameters& parameters)
+    : parameters_(parameters),
+      surface_{parameters.ndf, parameters.shadowing, parameters.alpha},
+      dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
+  const dvec3 average = dielectric_.remap(fresnel_dielectric_average(parameters.ior), parameters.ior);
+  diffuse_scale_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color /
+                   (pi * glm::max(1.0 - average, dvec3(1e-6)));
+}
+
+double Bsdf::relative_index(const dvec3& w) const {
+  return refracts() && w.z < 0 ? 1 / parameters_.ior : parameters_.ior;
+}
+
+dvec3 Bsdf::reflectance(double cos_facet, double eta) const {
+  return parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
+         (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta);
+}
+
+dvec3 Bsdf::transmittance(double cos_facet, double eta) const {
+  return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color *
+         (1.0 - dielectric_.reflectance(cos_facet, eta));
+}
+
+double Bsdf::reflection_probability(double cos_facet, double eta) const {
+  const double reflected = luminance(reflectance(cos_facet, eta));
+  const double transmitted = luminance(transmittance(cos_facet, eta));
+  return reflected > 0 ? reflected / (reflected + transmitted) : 0;
+}
+
+dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
+  return diffuse_scale_ * (1.0 - dielectric_.reflectance(wi.z, eta)) *
+         (1.0 - dielectric_.reflectance(wo.z, eta));
+}
+
+/// D G2 / (4 cos_i cos_o), both directions above the surface.
+dvec3 Bsdf::mirror_lobe_value(const dvec3& wo, const dvec3& wi) const {
+  const dvec3 h = reflection_half_vector(wo, wi);
+  return dvec3(distribution(surface_, h) * masking_shadowing(surface_, wi, wo, h, Scattering::Reflection) /
+               (4 * wi.z * wo.z));
+}
+
+dvec3 Bsdf::refraction_value(const dvec3& wo, const dvec3& wi, double eta, TransportMode mode) const {
+  const dvec3 h = refraction_half_vector(wo, wi, eta);
+  if (dot(wo, h) <= 0 || dot(wi, h) >= 0) return dvec3(0);
+  const double d_g =
+      distribution(surface_, h) * masking_shadowing(surface_, wi, wo, h, Scattering::Transmission);
+  const double importance =
+      d_g * dot(wo, h) * refraction_jacobian(wo, wi, h, eta) / (std::abs(wi.z) * std::abs(wo.z));
+  return transmittance(dot(wo, h), eta) *
+         (mode == TransportMode::Radiance ? importance / (eta * eta) : importance);
+}
+
+double Bsdf::refraction_pdf(const dvec3& wo, const dvec3& wi, double eta) const {
+  const dvec3 h = refraction_half_vector(wo, wi, eta);
+  if (dot(wo, h) <= 0 || dot(wi, h) >= 0) return 0;
+  return visible_normal_pdf(surface_, wo, h) * refraction_jacobian(wo, wi, h, eta) *
+         (1 - reflection_probability(dot(wo, h), eta));
+}
+
+dvec3 Bsdf::value(const dvec3& wo_material, const dvec3& wi_material, TransportMode mode) const {
+  const double eta = relative_index(wo_material);
+  const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
+  const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
+  if (wo.z == 0 || wi.z == 0) return dvec3(0);
+  if (wi.z > 0) {
+    const dvec3 diffuse = diffuse_value(wo, wi, eta);
+    if (is_delta()) return diffuse;
+    return diffuse + reflectance(dot(wo, reflection_half_vector(wo, wi)), eta) * mirror_lobe_value(wo, wi);
+  }
+  if (is_delta() || parameters_.transmission == 0) return dvec3(0);
+  if (parameters_.is_volume) return refraction_value(wo, wi, eta, mode);
+  const dvec3 wi_mirrored = mirror_z(wi);
+  return transmittance(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta) *
+         mirror_lobe_value(wo, wi_mirrored);
+}
+
+double Bsdf::diffuse_probability(const dvec3& wo) const {
+  const double eta = relative_index(wo);
+  const double cos_o = std::abs(wo.z);
+  const dvec3 base = (1 - parameters_.metallic) * (1 - parameters_.transmission) * parameters_.base_color;
+  const double diffuse = luminance(base * (1.0 - dielectric_.reflectance(cos_o, eta)));
+  const double specular = luminance(reflectance(cos_o, eta)) + luminance(transmittance(cos_o, eta));
+  if (specular == 0) return 1;
+  return diffuse / (diffuse + specular);
+}
+
+double Bsdf::pdf(const dvec3& wo_material, const dvec3& wi_material) const {
+  const double eta = relative_index(wo_material);
+  const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
+  const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
+  if (wo.z == 0 || wi.z == 0) return 0;
+  const double p_diffuse = diffuse_probability(wo_material);
+  const double cosine = wi.z > 0 ? p_diffuse * wi.z / pi : 0;
+  if (is_delta()) return cosine;
+  if (wi.z < 0 && parameters_.transmission == 0) return 0;
+  if (wi.z < 0 && parameters_.is_volume) return (1 - p_diffuse) * refraction_pdf(wo, wi, eta);
+  const dvec3 h = reflection_half_vector(wo, wi.z > 0 ? wi : mirror_z(wi));
+  const double p_reflection = reflection_probability(dot(wo, h), eta);
+  const double facet = visible_normal_pdf(surface_, wo, h) / (4 * dot(wo, h));
+  return cosine + (1 - p_diffuse) * facet * (wi.z > 0 ? p_reflection : 1 - p_reflection);
+}
+
+BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, bool reflects,
+                              TransportMode mode) const {
+  const double p_reflection = reflection_probability(wo.z, eta);
+  BsdfSample result;
+  result.is_delta = true;
+  result.is_transmitted = !reflects;
+  result.pdf_forward = (1 - p_diffuse) * (reflects ? p_reflection : 1 - p_reflection);
+  const dvec3 normal(0, 0, 1);
+  if (reflects) {
+    result.wi = reflect_at(wo, normal);
+    result.weight = reflectance(wo.z, eta) / result.pdf_forward;
+  } else {
+    result.wi = parameters_.is_volume ? refract_at(wo, normal, eta) : -wo;
+    const double scale = parameters_.is_volume && mode == TransportMode::Radiance ? 1 / (eta * eta) : 1;
+    result.weight = transmittance(wo.z, eta) * scale / result.pdf_forward;
+  }
+  result.is_valid = result.pdf_forward > 0;
+  return result;
+}
+
+BsdfSample Bsdf::sample(const dvec3& wo_material, double u_lobe, double u_event, const dvec3& u,
+                        TransportMode mode) const {
+  if (wo_material.z == 0) return {};
+  const double eta = relative_index(wo_material);
+  const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
+  const double p_diffuse = diffuse_probability(wo_material);
+  BsdfSample result;
+  if (u_lobe < p_diffuse) {
+    result.wi = sample_cosine_hemisphere({u.x, u.y});
+  } else if (is_delta()) {
+    result = sample_delta(wo, eta, p_diffuse, u_event < reflection_probability(wo.z, eta), mode);
+  } else {
+    const dvec3 h = sample_visible_normal(surface_, wo, u);
+    const double cos_facet = dot(wo, h);
+    result.is_transmitted = u_event >= reflection_probability(cos_facet, eta);
+    result.wi = result.is_transmitted && parameters_.is_volume ? refract_at(wo, h, eta) : reflect_at(wo, h);
+    if (result.is_transmitted && !parameters_.is_volume) result.wi = mirror_z(result.wi);
+  }
+  if (result.is_transmitted ? result.wi.z >= 0 : result.wi.z <= 0) return {};
+  if (wo_material.z < 0) result.wi = mirror_z(result.wi);
+  if (result.is_delta) {
+    const double p_back = reflection_probability(std::abs(result.wi.z), relative_index(result.wi));
+    result.pdf_reverse = (1 - diffuse_probability(result.wi)) * (result.is_transmitted ? 1 - p_back : p_back);
+    return result;
+  }
+  result.pdf_forward = pdf(wo_material, result.wi);
+  result.pdf_reverse = pdf(result.wi, wo_material);
+  result.is_valid = result.pdf_forward > 0;
+  if (!result.is_valid) return {};
+  result.weight = value(wo_material, result.wi, mode) * std::abs(result.wi.z) / result.pdf_forward;
+  return result;
+}
+
+}  // namespace regulus::reference

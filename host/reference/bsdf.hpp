@@ -1,0 +1,108 @@
+// The surface scattering model in double precision: a metal and a dielectric with a diffuse base or
+// transmission below a microfacet interface (glTF metallic-roughness with transmission, volume, ior and
+// specular). One function per definition; nothing here is shared with the shaders.
+//
+// Frame: z = shading normal on the front side. wo (to the camera side of the walk) and wi (to the light side)
+// are unit, point away from the surface and may lie on either side of it.
+#pragma once
+
+#include <glm/glm.hpp>
+
+#include "reference/fresnel.hpp"
+#include "reference/microfacet.hpp"
+
+namespace regulus::reference {
+
+/// What flows along a walk that arrives at wo and continues to wi. Radiance (camera walks) changes by the
+/// squared ratio of indices when it crosses an interface, importance's dual (light walks) does not.
+enum class TransportMode { Radiance, Importance };
+
+/// Values of a material at one point, after textures.
+struct BsdfParameters {
+  glm::dvec3 base_color = glm::dvec3(0.8);
+  double metallic = 0;
+  glm::dvec2 alpha = glm::dvec2(1);  ///< perceptual roughness squared; (0, 0): the specular lobes are deltas
+  double ior = 1.5;                  ///< n(back side) / n(front side) of the interface
+  double transmission = 0;
+  double specular = 1;
+  glm::dvec3 specular_color = glm::dvec3(1);
+  bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
+  uint32_t ndf = interface::NDF_GGX;
+  uint32_t shadowing = interface::SHADOWING_SMITH;
+};
+
+/// A sampled direction.
+struct BsdfSample {
+  bool is_valid = false;  ///< false: the walk ends here (weight 0)
+  bool is_delta = false;
+  bool is_transmitted = false;
+  glm::dvec3 wi = glm::dvec3(0);
+  glm::dvec3 weight = glm::dvec3(0);  ///< value |cos_i| / pdf; of a delta event its factor / probability
+  double pdf_forward = 0;             ///< of wi given wo; of a delta event its discrete probability
+  double pdf_reverse = 0;             ///< of wo given wi, likewise
+};
+
+/// One material at one point.
+class Bsdf {
+ public:
+  explicit Bsdf(const BsdfParameters& parameters);
+
+  /// rho(wo, wi), 1/sr, without the cosine; delta lobes are left out.
+  glm::dvec3 value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
+
+  /// Solid-angle density with which sample() at wo returns wi, delta events left out (they are not
+  /// renormalized). The reverse density is pdf(wi, wo).
+  double pdf(const glm::dvec3& wo, const glm::dvec3& wi) const;
+
+  /// Draws wi. `u_lobe` decides diffuse against specular, `u_event` reflection against transmission, `u` the
+  /// direction; all uniform in [0, 1).
+  BsdfSample sample(const glm::dvec3& wo, double u_lobe, double u_event, const glm::dvec3& u,
+                    TransportMode mode) const;
+
+  /// Probability of the diffuse lobe seen from wo.
+  double diffuse_probability(const glm::dvec3& wo) const;
+
+  /// Relative index n(other side) / n(side of w) that a direction w sees.
+  double relative_index(const glm::dvec3& w) const;
+
+  /// True if the specular lobes are delta events.
+  bool is_delta() const { return parameters_.alpha == glm::dvec2(0); }
+
+  const BsdfParameters& parameters() const { return parameters_; }
+
+ private:
+  glm::dvec3 reflectance(double cos_facet, double eta) const;    // F_r
+  glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
+  double reflection_probability(double cos_facet, double eta) const;
+  glm::dvec3 diffuse_value(const glm::dvec3& wo, const glm::dvec3& wi, double eta) const;
+  glm::dvec3 mirror_lobe_value(const glm::dvec3& wo, const glm::dvec3& wi) const;
+  glm::dvec3 refraction_value(const glm::dvec3& wo, const glm::dvec3& wi, double eta,
+                              TransportMode mode) const;
+  double refraction_pdf(const glm::dvec3& wo, const glm::dvec3& wi, double eta) const;
+  BsdfSample sample_delta(const glm::dvec3& wo, double eta, double p_diffuse, bool reflects,
+                          TransportMode mode) const;
+  bool refracts() const { return parameters_.is_volume && parameters_.transmission > 0; }
+
+  BsdfParameters parameters_;
+  Microsurface surface_;
+  SpecularDielectric dielectric_;
+  glm::dvec3 diffuse_scale_;  // (1 - m) (1 - t) base / (pi (1 - F_d,avg))
+};
+
+/// Luminance of a linear Rec. 709 colour.
+double luminance(const glm::dvec3& color);
+
+/// Half vector of a reflection: unit, between wi and wo.
+glm::dvec3 reflection_half_vector(const glm::dvec3& wo, const glm::dvec3& wi);
+
+/// Half vector of a refraction with index `eta` = n(wi side) / n(wo side): unit, z > 0. Walter 2007, eq. 16.
+glm::dvec3 refraction_half_vector(const glm::dvec3& wo, const glm::dvec3& wi, double eta);
+
+/// Mirror direction of wo at h.
+glm::dvec3 reflect_at(const glm::dvec3& wo, const glm::dvec3& h);
+
+/// Refracted direction of wo at h (wo.h > 0), or the zero vector under total internal reflection.
+/// Walter 2007, eq. 40.
+glm::dvec3 refract_at(const glm::dvec3& wo, const glm::dvec3& h, double eta);
+
+}  // namespace regulus::reference
