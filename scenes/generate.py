@@ -6,9 +6,9 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # leaves no cache in the source tree
-from generator import cornell  # noqa: E402
+from generator import big, cornell, furnace, mirrors, plates  # noqa: E402
 
-SCENES = {"cornell": cornell}
+SCENES = {"cornell": cornell, "plates": plates, "mirrors": mirrors, "furnace": furnace}
 
 
 def main():
@@ -16,7 +16,12 @@ def main():
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"scenes to write: {', '.join(SCENES)} (all)")
     parser.add_argument("--out", type=pathlib.Path, default=pathlib.Path(__file__).resolve().parent,
                         help="folder that gets one folder per scene (where this program is)")
+    parser.add_argument("--big", type=pathlib.Path, metavar="OUT.glb",
+                        help="write only the benchmark scene of a million triangles, to this file")
     arguments = parser.parse_args()
+    if arguments.big:
+        big.build().write_glb(arguments.big)
+        return
     unknown = [name for name in arguments.names if name not in SCENES]
     if unknown:
         parser.error(f"no scene {unknown[0]}; there are {', '.join(SCENES)}")

@@ -106,8 +106,8 @@ def sphere(frequency):
     return mesh
 
 
-def projected_area(mesh, direction):
-    """Sum over front-facing triangles of area * cos(normal, direction); yields (area, cosine) pairs too."""
+def facing_facets(mesh, direction):
+    """[(area seen from a direction, cosine between normal and direction)] of the triangles that face it."""
     facets = []
     for a, b, c in mesh.corners():
         twice_area_normal = cross(sub(b, a), sub(c, a))
