@@ -50,8 +50,8 @@ Buffer Device::create_buffer(uint64_t bytes, std::string_view name) {
   if (bytes == 0) return buffer;
   DeviceState& state = *impl->state;
   Allocation allocation = state.allocate(
-      whole_words(bytes),
-      eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress, false, name);
+      bytes, eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress, false,
+      name);
   const uint64_t address = state.device.getBufferAddress({*allocation.buffer});
   buffer.impl.reset(new Buffer::Impl{impl->state, std::string(name), bytes, address, std::move(allocation)});
 

@@ -71,7 +71,7 @@ Allocation DeviceState::allocate(uint64_t bytes, vk::BufferUsageFlags usage, boo
   try {
     if (faults().out_of_memory) throw vk::OutOfDeviceMemoryError("fault asked for by a test");
     Allocation allocation;
-    allocation.buffer = vk::raii::Buffer(device, vk::BufferCreateInfo({}, bytes, usage));
+    allocation.buffer = vk::raii::Buffer(device, vk::BufferCreateInfo({}, whole_words(bytes), usage));
     const vk::MemoryRequirements needs = allocation.buffer.getMemoryRequirements();
     const bool has_address = static_cast<bool>(usage & vk::BufferUsageFlagBits::eShaderDeviceAddress);
     const vk::MemoryAllocateFlagsInfo flags(has_address ? vk::MemoryAllocateFlagBits::eDeviceAddress

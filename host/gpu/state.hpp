@@ -14,6 +14,11 @@
 
 namespace regulus::gpu {
 
+/// Fills write whole words, so a buffer's memory is a whole number of them.
+constexpr uint64_t whole_words(uint64_t bytes) {
+  return (bytes + 3) & ~uint64_t{3};
+}
+
 /// A Vulkan buffer with memory of its own.
 struct Allocation {
   vk::raii::DeviceMemory memory{nullptr};
@@ -62,7 +67,7 @@ struct DeviceState {
   /// An idle recording or a new one, its command buffer begun.
   std::unique_ptr<Recording> begin_recording();
 
-  /// Allocates and binds; throws Error (Failed) naming the buffer when there is no room.
+  /// Allocates whole words and binds them; throws Error (Failed) naming the buffer when there is no room.
   Allocation allocate(uint64_t bytes, vk::BufferUsageFlags usage, bool host_visible, std::string_view name);
   void release(const Allocation& allocation) { allocated_bytes -= allocation.bytes; }
   uint64_t free_bytes() const;
@@ -75,11 +80,6 @@ struct DeviceState {
   uint64_t device_heap_free() const;
   [[noreturn]] void throw_out_of_memory(uint64_t bytes, std::string_view name) const;
 };
-
-/// Fills write whole words, so a buffer's memory is a whole number of them.
-constexpr uint64_t whole_words(uint64_t bytes) {
-  return (bytes + 3) & ~uint64_t{3};
-}
 
 struct Buffer::Impl {
   std::shared_ptr<DeviceState> state;
