@@ -20,15 +20,15 @@ struct InputTriangle {
 
 /// The structure in device layout.
 struct Bvh {
-  std::vector<uint32_t> nodes;                    ///< words of the nodes; empty scene: one node without children
+  std::vector<interface::BvhNode> nodes;          ///< root first; empty scene: one node without children
   std::vector<interface::BvhTriangle> triangles;  ///< in leaf order
   std::vector<uint32_t> order;                    ///< order[leaf index] = index of the input triangle
-  uint32_t node_count = 0;
-  uint32_t depth = 0;                             ///< longest path from the root; the traversal stack holds it
+  uint32_t depth = 0;                             ///< nodes on the longest path from the root
 };
 
-/// Builds over `triangles` (may be empty) on all cores.
-/// @throws regulus::Error (Failed) if memory runs out or the tree is deeper than the traversal stack.
+/// Builds over `triangles` (may be empty) on all cores. The same triangles give the same structure on any
+/// number of cores.
+/// @throws regulus::Error (Failed) if memory runs out or the scene is too large for the node references.
 Bvh build(std::span<const InputTriangle> triangles);
 
 }  // namespace regulus::bvh

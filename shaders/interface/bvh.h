@@ -1,10 +1,36 @@
-// The acceleration structure as traversal reads it.
+// The acceleration structure as traversal reads it: a tree of up to eight children per node with 8-bit
+// quantized child boxes, and triangles in leaf order.
 #ifndef REGULUS_INTERFACE_BVH_H
 #define REGULUS_INTERFACE_BVH_H
 
 #include "types.h"
 
 REGULUS_INTERFACE_BEGIN
+
+// Entries of the traversal stack of one ray, one per level at most; no tree is built deeper.
+REGULUS_CONSTANT BVH_MAX_DEPTH = 32u;
+// Most triangles in a leaf.
+REGULUS_CONSTANT BVH_MAX_LEAF_SIZE = 4u;
+
+// A reference to a child: BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a
+// leaf, the node's index otherwise (below 2^24, for the stack packs it with an 8-bit mask).
+REGULUS_CONSTANT BVH_LEAF_BIT = 0x80000000u;
+REGULUS_CONSTANT BVH_LEAF_COUNT_SHIFT = 29u;
+REGULUS_CONSTANT BVH_LEAF_FIRST_MASK = 0x1FFFFFFFu;
+REGULUS_CONSTANT BVH_MAX_NODES = 1u << 24;
+
+// A node. Plane q of an axis lies at origin + q * 2^(e - 127), e the axis' byte of `exponents` (x lowest).
+// planes[4 axis + 0..1] hold the eight children's lower planes, [4 axis + 2..3] the upper ones, one byte
+// each. The decoded box contains the child with a margin that covers the rounding of the slab test. Bit k
+// of a child's slot tends to be set where the child lies at the upper end of axis k, so slots in the order
+// slot ^ octant run front to back. An empty slot has lower planes 255, upper planes 0 and is never hit.
+struct BvhNode {
+  vec3 origin;
+  uint exponents;
+  uint planes[12];
+  uint children[8];
+};
+REGULUS_LAYOUT(BvhNode, 96);
 
 // A triangle in leaf order: world-space vertices as given (watertight edge tests need the vertices
 // themselves, not edge vectors) and a tag that traversal returns with the hit (its meaning is the caller's:

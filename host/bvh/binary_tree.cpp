@@ -1,0 +1,140 @@
+#include "bvh/binary_tree.hpp"
+
+#include <fmt/format.h>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include <memory>
+#include <new>
+#include <type_traits>
+
+#include "base/error.hpp"
+#include "bvh/bvh.hpp"
+
+namespace regulus::bvh {
+
+namespace {
+
+/// A node as the builder's callbacks make it: in Embree's arena, without constructor calls afterwards.
+struct BuildNode {
+  RTCBounds bounds[2];
+  BuildNode* children[2];
+  uint32_t primitive;
+  bool is_leaf;
+};
+
+void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
+  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode{};
+}
+
+void set_children(void* node, void** children, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i)
+    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+}
+
+void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
+  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->bounds[i] = *bounds[i];
+}
+
+void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t, void*) {
+  auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode{};
+  leaf->primitive = primitives[0].primID;
+  leaf->is_leaf = true;
+  return leaf;
+}
+
+struct EmbreeRelease {
+  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
+  void operator()(RTCBVH bvh) const { rtcReleaseBVH(bvh); }
+};
+using EmbreeDevice = std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease>;
+using EmbreeBvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, EmbreeRelease>;
+
+std::vector<RTCBuildPrimitive> build_primitives(std::span<const Box> boxes) {
+  std::vector<RTCBuildPrimitive> primitives(boxes.size());
+  for (uint32_t i = 0; i < boxes.size(); ++i) {
+    const Box& box = boxes[i];
+    primitives[i] = {box.lower.x, box.lower.y, box.lower.z, 0, box.upper.x, box.upper.y, box.upper.z, i};
+  }
+  return primitives;
+}
+
+/// Copies Embree's tree into arrays, depth first, and derives boxes and ranges from the leaves up.
+BinaryTree flatten(const BuildNode* root, std::span<const Box> boxes) {
+  struct Visit {
+    const BuildNode* node;
+    uint32_t parent, side;
+  };
+  BinaryTree tree;
+  tree.nodes.reserve(2 * boxes.size());
+  tree.order.reserve(boxes.size());
+  std::vector<Visit> stack{{root, 0, 0}};
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    const auto index = static_cast<uint32_t>(tree.nodes.size());
+    if (index > 0) tree.nodes[visit.parent].children[visit.side] = index;
+    BinaryNode& node = tree.nodes.emplace_back();
+    node.first = static_cast<uint32_t>(tree.order.size());
+    if (visit.node->is_leaf) {
+      node.count = 1;
+      node.box = boxes[visit.node->primitive];
+      tree.order.push_back(visit.node->primitive);
+    } else {
+      stack.push_back({visit.node->children[1], index, 1});
+      stack.push_back({visit.node->children[0], index, 0});
+    }
+  }
+  for (size_t i = tree.nodes.size(); i-- > 0;) {
+    BinaryNode& node = tree.nodes[i];
+    if (node.count == 1) continue;
+    for (uint32_t child : node.children) {
+      node.box.extend(tree.nodes[child].box);
+      node.count += tree.nodes[child].count;
+    }
+  }
+  return tree;
+}
+
+}  // namespace
+
+Box bounds_of(const InputTriangle& triangle) {
+  Box box;
+  for (const glm::vec3& vertex : triangle.vertices) box.extend({vertex, vertex});
+  return box;
+}
+
+BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth) {
+  const EmbreeDevice device(rtcNewDevice(nullptr));
+  const EmbreeBvh bvh(device ? rtcNewBVH(device.get()) : nullptr);
+  if (!bvh) throw Error(ExitStatus::Failed, "acceleration structure: Embree cannot make a device");
+  std::vector<RTCBuildPrimitive> primitives = build_primitives(boxes);
+
+  RTCBuildArguments arguments = rtcDefaultBuildArguments();
+  arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
+  arguments.maxBranchingFactor = 2;
+  arguments.maxDepth = max_depth;
+  arguments.minLeafSize = 1;
+  arguments.maxLeafSize = 1;
+  arguments.bvh = bvh.get();
+  arguments.primitives = primitives.data();
+  arguments.primitiveCount = primitives.size();
+  arguments.primitiveArrayCapacity = primitives.size();
+  arguments.createNode = create_node;
+  arguments.setNodeChildren = set_children;
+  arguments.setNodeBounds = set_bounds;
+  arguments.createLeaf = create_leaf;
+  const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
+  if (root == nullptr)
+    throw Error(
+        ExitStatus::Failed,
+        fmt::format("acceleration structure over {} triangles: Embree failed (error {}); is memory short?",
+                    boxes.size(), static_cast<int>(rtcGetDeviceError(device.get()))));
+  return flatten(root, boxes);
+}
+
+}  // namespace regulus::bvh

@@ -1,0 +1,54 @@
+// The binary tree that Embree's builder makes, in arrays; the input of the collapse to wide nodes.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace regulus::bvh {
+
+struct InputTriangle;
+
+/// Axis-aligned box; empty (lower > upper) by default.
+struct Box {
+  glm::vec3 lower{std::numeric_limits<float>::infinity()};
+  glm::vec3 upper{-std::numeric_limits<float>::infinity()};
+
+  void extend(const Box& other) {
+    lower = glm::min(lower, other.lower);
+    upper = glm::max(upper, other.upper);
+  }
+  /// Half the surface area; in double, where no finite box overflows.
+  double half_area() const {
+    const glm::dvec3 e = glm::dvec3(upper) - glm::dvec3(lower);
+    return e.x * e.y + e.y * e.z + e.z * e.x;
+  }
+};
+
+/// The smallest box around a triangle.
+Box bounds_of(const InputTriangle& triangle);
+
+/// A node over a range of `BinaryTree::order`. Children come after their parent.
+struct BinaryNode {
+  Box box;
+  std::array<uint32_t, 2> children{};  ///< meaningful if count > 1
+  uint32_t first = 0;                  ///< of the primitives below, in BinaryTree::order
+  uint32_t count = 0;                  ///< 1: a leaf
+};
+
+/// Root is nodes[0]; leaves hold one primitive each.
+struct BinaryTree {
+  std::vector<BinaryNode> nodes;
+  std::vector<uint32_t> order;  ///< primitives in depth-first order
+};
+
+/// Builds over the boxes (at least one) on all cores. The same boxes give the same tree on any number of
+/// cores. No path
+/// from the root is longer than `max_depth` nodes.
+/// @throws regulus::Error (Failed) if Embree fails or memory runs out.
+BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth);
+
+}  // namespace regulus::bvh

@@ -1,0 +1,156 @@
+#include "bvh/collapse.hpp"
+
+#include <algorithm>
+
+#include "interface/bvh.h"
+
+namespace regulus::bvh {
+
+namespace {
+
+using interface::BVH_MAX_LEAF_SIZE;
+
+// Measured time of visiting a node and of testing a triangle, in units of the former.
+constexpr float NODE_COST = 1.0f;
+constexpr float TRIANGLE_COST = 0.4f;
+
+/// The cheapest ways to represent the subtree of a binary node.
+struct Plan {
+  /// cost[i]: as a forest of at most i + 1 wide children.
+  std::array<float, WIDE_CHILDREN - 1> cost;
+  /// split[j]: for a forest of j + 1 children (as many as WIDE_CHILDREN), how many of them go to the first
+  /// binary child; 0: one child fewer is no worse.
+  std::array<uint8_t, WIDE_CHILDREN> split;
+  bool is_leaf;
+};
+
+/// Cost of distributing `children` roots over both sides, and how many the first side gets.
+std::pair<float, uint8_t> best_split(const Plan& first, const Plan& second, uint32_t children) {
+  std::pair<float, uint8_t> best{std::numeric_limits<float>::infinity(), 0};
+  for (uint32_t k = 1; k < children; ++k) {
+    const float cost = first.cost[k - 1] + second.cost[children - k - 1];
+    if (cost < best.first) best = {cost, static_cast<uint8_t>(k)};
+  }
+  return best;
+}
+
+/// `relative_area`: of the node's box, 1 for the root.
+Plan plan_node(const BinaryNode& node, float relative_area, const std::vector<Plan>& plans) {
+  Plan plan{};
+  const float leaf_cost = node.count <= BVH_MAX_LEAF_SIZE
+                              ? relative_area * TRIANGLE_COST * static_cast<float>(node.count)
+                              : std::numeric_limits<float>::infinity();
+  plan.is_leaf = true;
+  if (node.count == 1) {
+    plan.cost.fill(leaf_cost);
+    return plan;
+  }
+  const Plan& first = plans[node.children[0]];
+  const Plan& second = plans[node.children[1]];
+  const auto [wide_cost, wide_split] = best_split(first, second, WIDE_CHILDREN);
+  plan.split[WIDE_CHILDREN - 1] = wide_split;
+  plan.is_leaf = leaf_cost <= wide_cost + relative_area * NODE_COST;
+  plan.cost[0] = plan.is_leaf ? leaf_cost : wide_cost + relative_area * NODE_COST;
+  for (uint32_t j = 1; j + 1 < WIDE_CHILDREN; ++j) {
+    const auto [cost, split] = best_split(first, second, j + 1);
+    const bool is_better = cost < plan.cost[j - 1];
+    plan.cost[j] = is_better ? cost : plan.cost[j - 1];
+    plan.split[j] = is_better ? split : uint8_t{0};
+  }
+  return plan;
+}
+
+std::vector<Plan> plan_tree(const BinaryTree& tree) {
+  std::vector<Plan> plans(tree.nodes.size());
+  const double root_area = std::max(tree.nodes[0].box.half_area(), std::numeric_limits<double>::min());
+  for (size_t i = plans.size(); i-- > 0;) {
+    const BinaryNode& node = tree.nodes[i];
+    plans[i] = plan_node(node, static_cast<float>(node.box.half_area() / root_area), plans);
+  }
+  return plans;
+}
+
+/// Appends the binary nodes that stand for `node` as a forest of at most `roots` children.
+void gather_children(const BinaryTree& tree, const std::vector<Plan>& plans, uint32_t node, uint32_t roots,
+                     std::vector<uint32_t>& children) {
+  const Plan& plan = plans[node];
+  while (roots > 1 && roots < WIDE_CHILDREN && plan.split[roots - 1] == 0) --roots;
+  if (roots == 1) {
+    children.push_back(node);
+    return;
+  }
+  const uint32_t to_first = plan.split[roots - 1];
+  gather_children(tree, plans, tree.nodes[node].children[0], to_first, children);
+  gather_children(tree, plans, tree.nodes[node].children[1], roots - to_first, children);
+}
+
+/// Gives each child the slot whose corner it lies nearest to, in greedy order of how well it fits: slot bit
+/// k stands for the upper end of axis k.
+std::array<uint32_t, WIDE_CHILDREN> assign_slots(const BinaryTree& tree, const Box& parent,
+                                                 const std::vector<uint32_t>& children) {
+  struct Fit {
+    float gain;
+    uint32_t child, slot;
+  };
+  std::vector<Fit> fits;
+  const glm::vec3 center = parent.lower + parent.upper;
+  for (uint32_t child = 0; child < children.size(); ++child) {
+    const Box& box = tree.nodes[children[child]].box;
+    const glm::vec3 offset = box.lower + box.upper - center;
+    for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
+      const glm::vec3 corner(slot & 1 ? 1 : -1, slot & 2 ? 1 : -1, slot & 4 ? 1 : -1);
+      fits.push_back({glm::dot(offset, corner), child, slot});
+    }
+  }
+  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.gain > b.gain; });
+  std::array<uint32_t, WIDE_CHILDREN> slots;
+  slots.fill(WideNode::NO_CHILD);
+  uint32_t placed = 0;
+  for (const Fit& fit : fits) {
+    const bool is_placed = placed >> fit.child & 1;
+    if (is_placed || slots[fit.slot] != WideNode::NO_CHILD) continue;
+    slots[fit.slot] = children[fit.child];
+    placed |= 1u << fit.child;
+  }
+  return slots;
+}
+
+}  // namespace
+
+WideTree collapse(const BinaryTree& tree) {
+  struct Visit {
+    uint32_t binary, wide, depth;
+  };
+  const std::vector<Plan> plans = plan_tree(tree);
+  WideTree wide;
+  wide.nodes.emplace_back();
+  std::vector<Visit> stack{{0, 0, 1}};
+  std::vector<uint32_t> children;
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    wide.depth = std::max(wide.depth, visit.depth);
+    children.clear();
+    if (tree.nodes[visit.binary].count <= BVH_MAX_LEAF_SIZE && plans[visit.binary].is_leaf)
+      children.push_back(visit.binary);
+    else
+      gather_children(tree, plans, visit.binary, WIDE_CHILDREN, children);
+
+    WideNode node;
+    node.binary = assign_slots(tree, tree.nodes[visit.binary].box, children);
+    node.wide.fill(WideNode::NO_CHILD);
+    const size_t first_visit = stack.size();
+    for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
+      const uint32_t child = node.binary[slot];
+      if (child == WideNode::NO_CHILD || plans[child].is_leaf) continue;
+      node.wide[slot] = static_cast<uint32_t>(wide.nodes.size());
+      stack.push_back({child, node.wide[slot], visit.depth + 1});
+      wide.nodes.emplace_back();
+    }
+    std::reverse(stack.begin() + static_cast<std::ptrdiff_t>(first_visit), stack.end());
+    wide.nodes[visit.wide] = node;
+  }
+  return wide;
+}
+
+}  // namespace regulus::bvh

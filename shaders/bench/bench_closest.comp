@@ -1,0 +1,15 @@
+// Closest-hit query of one ray per invocation.
+// reads  rays          writes  hits
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "bench/bench.glsl"
+
+void main() {
+  uint i = gl_GlobalInvocationID.x;
+  if (i >= bench.ray_count) return;
+  BenchRay ray = BenchRays(bench.rays).rays[i];
+  uint tag;
+  Hit hit = trace_closest(bench.nodes, bench.triangles, ray.origin, ray.direction, ray.t_max, tag);
+  BenchHits(bench.results).hits[i] = hit;
+  if (traversal_overrun != 0u) atomicAdd(BenchWords(bench.overruns).words[0], 1u);
+}

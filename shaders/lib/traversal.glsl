@@ -1,0 +1,282 @@
+// Closest-hit and any-hit queries against the acceleration structure of interface/bvh.h. Watertight: rays do
+// not slip between triangles that share an edge or a vertex, and no box test loses a hit that the triangle
+// test would accept. The stack lives in shared memory, which both test drivers and GPUs handle faster than
+// a private array; workgroups must have WORKGROUP_SIZE invocations.
+#ifndef REGULUS_LIB_TRAVERSAL_GLSL
+#define REGULUS_LIB_TRAVERSAL_GLSL
+
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#if REGULUS_INT64
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#endif
+
+#include "interface/wavefront.h"
+
+// Rays that were given up because they reached TRAVERSAL_MAX_STEPS; the hit found so far is returned.
+uint traversal_overrun = 0u;
+
+// Node visits plus triangle tests that one invocation may take. One driver silently ends a loop after 65,535
+// iterations of all loops together, and lanes of a vector share that budget.
+const uint TRAVERSAL_MAX_STEPS = 16384u;
+
+// Nothing left to visit.
+const uint TRAVERSAL_DONE = 0xFFFFFFFFu;
+
+// Direction components are kept this far from zero in the slab test: finite reciprocals, and a shift of the
+// ray that stays within the margin of the boxes.
+const float TRAVERSAL_MIN_DIRECTION = 1e-18;
+
+// The far planes are scaled by 1 + 32 * 2^-24. Slab and triangle test together err by at most 16 * 2^-24 of the
+// distance for each of near and far plane, with a division of 2.5 ulp as Vulkan allows (Ize, "Robust BVH
+// Ray Traversal", JCGT 2013; what is relative to the node's extent is in the margin of the boxes).
+const float TRAVERSAL_FAR_SCALE = 1.0000019;
+
+const float TRAVERSAL_FLOAT_MAX = 3.402823466e38;
+
+shared uint traversal_stack[BVH_MAX_DEPTH * WORKGROUP_SIZE];
+
+#if REGULUS_INT64
+#define TRAVERSAL_PAIR uint64_t
+#define TRAVERSAL_UNPACK(pair) unpack32(pair)
+#else
+#define TRAVERSAL_PAIR uvec2
+#define TRAVERSAL_UNPACK(pair) (pair)
+#endif
+
+// Nodes and triangles as pairs of words, the widest loads that pay.
+struct TraversalNode {
+  TRAVERSAL_PAIR pairs[12];
+};
+struct TraversalTriangle {
+  TRAVERSAL_PAIR pairs[5];
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraversalNodes {
+  TraversalNode nodes[];
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraversalTriangles {
+  TraversalTriangle triangles[];
+};
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer TraversalNodeRecords {
+  BvhNode nodes[];
+};
+
+// What is constant along a ray.
+struct TraversalRay {
+  vec3 origin;
+  vec3 inverse_direction;
+  vec3 inverse_direction_far;
+  uint octant;       // bit k: the direction is negative along axis k
+  // The triangle test works in the frame of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection",
+  // JCGT 2013: the axis of the longest direction component is exchanged with z, then x and y are sheared
+  // so that the ray runs along z.
+  bool x_is_longest;
+  bool y_is_longest;
+  vec3 shear;        // x / z, y / z and 1 / z of the exchanged direction
+};
+
+vec3 traversal_exchange(TraversalRay ray, vec3 v) {
+  return vec3(ray.x_is_longest ? v.z : v.x, ray.y_is_longest ? v.z : v.y,
+              ray.x_is_longest ? v.x : (ray.y_is_longest ? v.y : v.z));
+}
+
+float traversal_safe_component(float d) {
+  return abs(d) < TRAVERSAL_MIN_DIRECTION ? (d < 0.0 ? -TRAVERSAL_MIN_DIRECTION : TRAVERSAL_MIN_DIRECTION) : d;
+}
+
+TraversalRay traversal_ray(vec3 origin, vec3 direction) {
+  TraversalRay ray;
+  ray.origin = origin;
+  vec3 safe = vec3(traversal_safe_component(direction.x), traversal_safe_component(direction.y),
+                   traversal_safe_component(direction.z));
+  ray.inverse_direction = 1.0 / safe;
+  ray.inverse_direction_far = ray.inverse_direction * TRAVERSAL_FAR_SCALE;
+  ray.octant = (safe.x < 0.0 ? 1u : 0u) | (safe.y < 0.0 ? 2u : 0u) | (safe.z < 0.0 ? 4u : 0u);
+  vec3 size = abs(direction);
+  ray.x_is_longest = size.x > size.y && size.x >= size.z;
+  ray.y_is_longest = !ray.x_is_longest && size.y > size.z;
+  vec3 exchanged = traversal_exchange(ray, direction);
+  ray.shear = vec3(exchanged.xy / exchanged.z, 1.0 / exchanged.z);
+  return ray;
+}
+
+// Whether the ray can be traced: finite, with a direction.
+bool traversal_is_valid(vec3 origin, vec3 direction) {
+  return all(lessThanEqual(abs(origin), vec3(TRAVERSAL_FLOAT_MAX))) &&
+         all(lessThanEqual(abs(direction), vec3(TRAVERSAL_FLOAT_MAX))) &&
+         any(greaterThan(abs(direction), vec3(TRAVERSAL_MIN_DIRECTION)));
+}
+
+// Index of the lowest set bit of a value below 2^24, through the exponent of a float: vector units of CPUs
+// lack bit counts.
+uint traversal_lowest_bit(uint isolated_bit) {
+  return (floatBitsToUint(float(int(isolated_bit))) >> 23) - 127u;
+}
+
+// Plane of slot `slot` from the eight bytes of one side of an axis.
+float traversal_plane(uvec2 planes, uint slot) {
+  uint word = slot < 4u ? planes.x : planes.y;
+  return float(int((word >> (8u * (slot & 3u))) & 0xFFu));
+}
+
+// Tests the eight children of a node. Bit (slot ^ octant) of the result: the child in `slot` is met within
+// [0, t_max]. Ascending bits run front to back.
+uint traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_max) {
+#define NODE_PAIR(i) TRAVERSAL_UNPACK(TraversalNodes(nodes).nodes[index].pairs[i])
+  uvec2 head_xy = NODE_PAIR(0);
+  uvec2 head_z = NODE_PAIR(1);
+  vec3 offset = uintBitsToFloat(uvec3(head_xy, head_z.x)) - ray.origin;
+  uint exponents = head_z.y;
+  vec3 quantum = uintBitsToFloat(uvec3(exponents << 23, exponents << 15, exponents << 7) & 0x7F800000u);
+  vec3 near_scale = quantum * ray.inverse_direction;
+  vec3 near_offset = offset * ray.inverse_direction;
+  vec3 far_scale = quantum * ray.inverse_direction_far;
+  vec3 far_offset = offset * ray.inverse_direction_far;
+
+  uvec2 lower_x = NODE_PAIR(2), upper_x = NODE_PAIR(3);
+  uvec2 lower_y = NODE_PAIR(4), upper_y = NODE_PAIR(5);
+  uvec2 lower_z = NODE_PAIR(6), upper_z = NODE_PAIR(7);
+#undef NODE_PAIR
+  bvec3 is_negative = lessThan(ray.inverse_direction, vec3(0.0));
+  uvec2 near_x = is_negative.x ? upper_x : lower_x, far_x = is_negative.x ? lower_x : upper_x;
+  uvec2 near_y = is_negative.y ? upper_y : lower_y, far_y = is_negative.y ? lower_y : upper_y;
+  uvec2 near_z = is_negative.z ? upper_z : lower_z, far_z = is_negative.z ? lower_z : upper_z;
+
+  uint mask = 0u;
+#define TEST_SLOT(slot)                                                                            \
+  {                                                                                                \
+    float t_near = max(max(traversal_plane(near_x, slot) * near_scale.x + near_offset.x,           \
+                           traversal_plane(near_y, slot) * near_scale.y + near_offset.y),          \
+                       max(traversal_plane(near_z, slot) * near_scale.z + near_offset.z, 0.0));    \
+    float t_far = min(min(traversal_plane(far_x, slot) * far_scale.x + far_offset.x,               \
+                          traversal_plane(far_y, slot) * far_scale.y + far_offset.y),              \
+                      min(traversal_plane(far_z, slot) * far_scale.z + far_offset.z, t_max));      \
+    mask |= t_near <= t_far ? 1u << (slot ^ ray.octant) : 0u;                                      \
+  }
+  TEST_SLOT(0u)
+  TEST_SLOT(1u)
+  TEST_SLOT(2u)
+  TEST_SLOT(3u)
+  TEST_SLOT(4u)
+  TEST_SLOT(5u)
+  TEST_SLOT(6u)
+  TEST_SLOT(7u)
+#undef TEST_SLOT
+  return mask;
+}
+
+// Vertex sheared into the ray's frame, and the edge function of two such vertices; `precise`, for a contraction to
+// fused multiply-add would break their symmetry. (Functions of their own: the front end takes exponential
+// time to propagate `precise` through structs.)
+vec2 traversal_shear(vec3 v, vec3 shear) {
+  precise vec2 sheared = v.xy - shear.xy * v.z;
+  return sheared;
+}
+
+float traversal_edge(vec2 p, vec2 q) {
+  precise float edge = p.x * q.y - p.y * q.x;
+  return edge;
+}
+
+// Tests a triangle for a hit with t in (0, t_max]. Edges are inclusive and both faces count. Barycentrics are
+// of p1 and p2. The sign of each edge function is that of the exact function of the sheared vertices or zero
+// (products round monotonically), and those are the same for all triangles that share a vertex: no gap.
+bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, float t_max, out vec3 tuv,
+                         out uint tag) {
+#define TRIANGLE_PAIR(i) TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[i])
+  uvec2 w0 = TRIANGLE_PAIR(0), w1 = TRIANGLE_PAIR(1), w2 = TRIANGLE_PAIR(2), w3 = TRIANGLE_PAIR(3), w4 = TRIANGLE_PAIR(4);
+#undef TRIANGLE_PAIR
+  vec3 a = traversal_exchange(ray, uintBitsToFloat(uvec3(w0, w1.x)) - ray.origin);
+  vec3 b = traversal_exchange(ray, uintBitsToFloat(uvec3(w1.y, w2)) - ray.origin);
+  vec3 c = traversal_exchange(ray, uintBitsToFloat(uvec3(w3, w4.x)) - ray.origin);
+  tag = w4.y;
+
+  vec2 a_sheared = traversal_shear(a, ray.shear);
+  vec2 b_sheared = traversal_shear(b, ray.shear);
+  vec2 c_sheared = traversal_shear(c, ray.shear);
+  float edge_a = traversal_edge(c_sheared, b_sheared);
+  float edge_b = traversal_edge(a_sheared, c_sheared);
+  float edge_c = traversal_edge(b_sheared, a_sheared);
+  float determinant = edge_a + edge_b + edge_c;
+  float inverse = 1.0 / determinant;
+  tuv = vec3((edge_a * a.z + edge_b * b.z + edge_c * c.z) * ray.shear.z, edge_b, edge_c) * inverse;
+
+  bool is_inside = min(min(edge_a, edge_b), edge_c) >= 0.0 || max(max(edge_a, edge_b), edge_c) <= 0.0;
+  return is_inside && determinant != 0.0 && tuv.x > 0.0 && tuv.x <= t_max;
+}
+
+// Takes the front child off `group` (a node's index << 8 | the mask of its children still to visit; refilled
+// from the stack when empty) and returns its reference, or TRAVERSAL_DONE.
+uint traversal_next(DeviceAddress nodes, uint octant, inout uint group, inout uint stack_size) {
+  if ((group & 0xFFu) == 0u) {
+    if (stack_size == 0u) return TRAVERSAL_DONE;
+    --stack_size;
+    group = traversal_stack[stack_size * WORKGROUP_SIZE + gl_LocalInvocationIndex];
+  }
+  uint bit = group & (0u - group);
+  group ^= bit;
+  uint slot = traversal_lowest_bit(bit) ^ octant;
+  return TraversalNodeRecords(nodes).nodes[group >> 8].children[slot];
+}
+
+// The traversal both queries share. With `any_hit` it ends at the first hit found.
+Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
+                  const bool any_hit, out uint tag) {
+  Hit hit = Hit(t_max, 0.0, 0.0, INVALID_INDEX);
+  tag = 0u;
+  TraversalRay ray = traversal_ray(origin, direction);
+  uint next = traversal_is_valid(origin, direction) && t_max > 0.0 ? 0u : TRAVERSAL_DONE;
+  uint group = 0u;
+  uint stack_size = 0u;
+  uint steps = 0u;
+  while (next != TRAVERSAL_DONE) {
+    while (next < BVH_LEAF_BIT) {
+      uint mask = traversal_visit(nodes, next, ray, hit.t * TRAVERSAL_FAR_SCALE);
+      if (mask != 0u) {
+        if ((group & 0xFFu) != 0u) {
+          traversal_stack[stack_size * WORKGROUP_SIZE + gl_LocalInvocationIndex] = group;
+          ++stack_size;
+        }
+        group = next << 8 | mask;
+      }
+      next = traversal_next(nodes, ray.octant, group, stack_size);
+      ++steps;
+      if (steps >= TRAVERSAL_MAX_STEPS) break;
+    }
+    if (next != TRAVERSAL_DONE && next >= BVH_LEAF_BIT) {
+      uint first = next & BVH_LEAF_FIRST_MASK;
+      uint end = first + ((next & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1u;
+      next = traversal_next(nodes, ray.octant, group, stack_size);
+      for (uint i = first; i < end; ++i) {
+        vec3 tuv;
+        uint triangle_tag;
+        if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag)) {
+          hit = Hit(tuv.x, tuv.y, tuv.z, i);
+          tag = triangle_tag;
+          if (any_hit) next = TRAVERSAL_DONE;
+        }
+        ++steps;
+      }
+    }
+    if (steps >= TRAVERSAL_MAX_STEPS && next != TRAVERSAL_DONE) {
+      traversal_overrun = 1u;
+      next = TRAVERSAL_DONE;
+    }
+  }
+  return hit;
+}
+
+// The first hit with t in (0, t_max] along origin + t * direction, and its triangle's tag. On a miss the
+// triangle is INVALID_INDEX. A ray that is not finite or has no direction misses.
+Hit trace_closest(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max, out uint tag) {
+  return traversal_run(nodes, triangles, origin, direction, t_max, false, tag);
+}
+
+// Whether anything is hit with t in (0, t_max].
+bool trace_any(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max) {
+  uint tag;
+  return traversal_run(nodes, triangles, origin, direction, t_max, true, tag).triangle != INVALID_INDEX;
+}
+
+#endif
