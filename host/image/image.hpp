@@ -58,7 +58,21 @@ struct Metrics {
   uint64_t non_finite = 0;  ///< values of either image that are NaN or infinite (left out of the metrics)
 };
 
+/// Added to squared reference values in relative errors, so that black pixels do not divide by zero.
+constexpr double RELATIVE_EPSILON = 0.01;
+
 /// @throws regulus::Error (BadFile) if the sizes differ.
 Metrics compare(const Image& image, const Image& reference);
+
+/// @throws regulus::Error (BadFile) if the sizes differ.
+void require_same_size(const Image& image, const Image& reference);
+
+/// Root of a pixel's mrse (see Metrics) of two RGB triples.
+double relative_error(const float* pixel, const float* reference);
+
+/// PNG with the relative error of each pixel on a logarithmic scale: 0.001 and less is black, 0.01 purple,
+/// 0.1 orange, 1 and more pale yellow; a pixel with NaN or infinity is cyan. @throws regulus::Error (BadFile,
+/// Failed).
+void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference);
 
 }  // namespace regulus::image

@@ -11,21 +11,21 @@
 namespace regulus::image {
 namespace {
 
-/// Added to squared reference values so that black pixels do not divide by zero.
-constexpr double RELATIVE_EPSILON = 0.01;
-
 double square(const double x) {
   return x * x;
 }
 
 }  // namespace
 
+void require_same_size(const Image& image, const Image& reference) {
+  if (image.width == reference.width && image.height == reference.height) return;
+  throw Error(ExitStatus::BadFile,
+              fmt::format("{} x {} pixels against a reference of {} x {}; render at the same size",
+                          image.width, image.height, reference.width, reference.height));
+}
+
 Metrics compare(const Image& image, const Image& reference) {
-  if (image.width != reference.width || image.height != reference.height)
-    throw Error(ExitStatus::BadFile,
-                fmt::format("images differ in size: {} x {} against a reference of {} x {}; render at the "
-                            "same size",
-                            image.width, image.height, reference.width, reference.height));
+  require_same_size(image, reference);
   Metrics metrics;
   uint64_t count = 0;
   std::array<uint64_t, 3> channel_count{};
