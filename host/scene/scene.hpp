@@ -17,12 +17,12 @@ namespace regulus::scene {
 struct SceneCamera {
   std::string name;
   bool is_orthographic = false;
-  glm::mat4 camera_to_world{1.0f};  ///< rigid part used; looks down local -z, y up (glTF)
-  float y_fov = 0.8f;               ///< radians, full vertical angle; perspective
-  float aspect_ratio = 0;           ///< width / height; 0: not given
+  glm::mat4 camera_to_world{1.0f};                 ///< rigid part used; looks down local -z, y up (glTF)
+  float y_fov = 0.8f;                              ///< radians, full vertical angle; perspective
+  float aspect_ratio = 0;                          ///< width / height; 0: not given
   float x_magnification = 1, y_magnification = 1;  ///< half extents, metres; orthographic
-  float lens_radius = 0;            ///< metres; 0: pinhole
-  float focus_distance = 1;         ///< metres
+  float lens_radius = 0;                           ///< metres; 0: pinhole
+  float focus_distance = 1;                        ///< metres
 };
 
 /// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
@@ -30,14 +30,14 @@ struct SceneCamera {
 struct Scene {
   std::filesystem::path path;
   std::vector<interface::Vertex> vertices;
-  std::vector<interface::Triangle> triangles;   ///< `light` is filled by build_lights
+  std::vector<interface::Triangle> triangles;  ///< `light` is filled by build_lights
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;
   std::vector<interface::Texture> textures;
-  std::vector<uint32_t> texels;                 ///< two words per texel, see interface::Texture
-  std::vector<interface::Light> lights;         ///< punctual after loading; all lights after build_lights
+  std::vector<uint32_t> texels;          ///< two words per texel, see interface::Texture
+  std::vector<interface::Light> lights;  ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
-  std::vector<SceneCamera> cameras;             ///< never empty: framed on the bounds if the file has none
+  std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
   std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
   std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value

@@ -1,0 +1,202 @@
+#include "scene/document.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "scene/schema.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using ByteSpan = std::span<const unsigned char>;
+using nlohmann::json;
+
+constexpr uint32_t GLB_MAGIC = 0x46546C67;  // "glTF"
+constexpr uint32_t CHUNK_JSON = 0x4E4F534A;
+constexpr uint32_t CHUNK_BIN = 0x004E4942;
+
+uint32_t read_u32(ByteSpan bytes, size_t offset) {
+  return static_cast<uint32_t>(bytes[offset]) | static_cast<uint32_t>(bytes[offset + 1]) << 8 |
+         static_cast<uint32_t>(bytes[offset + 2]) << 16 | static_cast<uint32_t>(bytes[offset + 3]) << 24;
+}
+
+struct Container {
+  ByteSpan json;
+  std::optional<ByteSpan> binary;
+};
+
+bool is_glb(ByteSpan bytes) {
+  return bytes.size() >= 4 && read_u32(bytes, 0) == GLB_MAGIC;
+}
+
+// tinygltf 2.7 rejects files with an empty BIN chunk, which are valid, so the chunks are read here.
+Container open_glb(ByteSpan bytes, const std::filesystem::path& file) {
+  if (bytes.size() < 20) fail(file, "GLB header is truncated; copy or export the file again");
+  const uint32_t version = read_u32(bytes, 4);
+  if (version != 2)
+    fail(file, fmt::format("GLB version {} cannot be read, only 2; convert the file", version));
+  const uint64_t length = read_u32(bytes, 8);
+  if (length > bytes.size())
+    fail(file, fmt::format("truncated: GLB header says {} bytes, the file has {}; copy it again", length,
+                           bytes.size()));
+
+  Container container;
+  for (uint64_t offset = 12; offset + 8 <= length;) {
+    const uint64_t chunk_length = read_u32(bytes, offset);
+    const uint32_t type = read_u32(bytes, offset + 4);
+    if (offset + 8 + chunk_length > length)
+      fail(file,
+           fmt::format("GLB chunk at byte {} is longer than the file; copy or export it again", offset));
+    const ByteSpan content = bytes.subspan(offset + 8, chunk_length);
+    if (offset == 12) {
+      if (type != CHUNK_JSON) fail(file, "first GLB chunk is not JSON; export the file again");
+      container.json = content;
+    } else if (type == CHUNK_BIN && !container.binary) {
+      container.binary = content;
+    }
+    offset += 8 + chunk_length;
+  }
+  return container;
+}
+
+json parse_json(ByteSpan bytes, const std::filesystem::path& file) {
+  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  check_nesting(text, file);
+  try {
+    json document = json::parse(text.begin(), text.end());
+    if (!document.is_object()) fail(file, "the JSON is not an object; not a glTF file");
+    return document;
+  } catch (const json::exception& error) {
+    std::string reason = error.what();
+    std::replace(reason.begin(), reason.end(), '\n', ' ');
+    fail(file, fmt::format("not valid glTF JSON: {}", reason.substr(0, 200)));
+  }
+}
+
+void check_asset(const json& document, const std::filesystem::path& file) {
+  const auto asset = document.find("asset");
+  const std::string version = asset != document.end() && asset->is_object() && asset->contains("version") &&
+                                      (*asset)["version"].is_string()
+                                  ? (*asset)["version"].get<std::string>()
+                                  : std::string();
+  if (version.empty()) fail(file, "asset.version is missing; not a glTF 2.0 file");
+  if (version.rfind("2.", 0) != 0)
+    fail(file, fmt::format("glTF version '{}' cannot be read, only 2.x; convert the file", version));
+}
+
+std::vector<std::string> strings(const json& document, const char* member) {
+  std::vector<std::string> result;
+  const auto array = document.find(member);
+  if (array != document.end() && array->is_array())
+    for (const json& value : *array)
+      if (value.is_string()) result.push_back(value.get<std::string>());
+  return result;
+}
+
+void check_extensions(Document& document) {
+  const std::vector<std::string> required = strings(document.json, "extensionsRequired");
+  for (const std::string& name : required)
+    if (!is_known_extension(name))
+      document.fail(fmt::format("requires the extension {}, which is not read; export without it", name));
+  for (const std::string& name : strings(document.json, "extensionsUsed"))
+    if (!is_known_extension(name)) document.warn(fmt::format("extension {} is not read", name));
+}
+
+void warn_of_ignored_parts(Document& document) {
+  if (document.json.contains("skins")) document.warn("skins are not read: rest pose");
+  if (document.json.contains("animations")) document.warn("animations are not read: rest pose");
+}
+
+tinygltf::Model to_model(json reduced, const std::filesystem::path& file) {
+  // Buffers and images are read by Files, under our own rules of which paths may be opened.
+  reduced.erase("buffers");
+  reduced.erase("images");
+  const std::string text = reduced.dump();
+  if (text.size() > 0xFFFFFFFFu) fail(file, "more than 4 GiB of JSON cannot be read; use a .glb");
+
+  tinygltf::TinyGLTF parser;
+  tinygltf::Model model;
+  std::string errors, warnings;
+  const bool parsed = parser.LoadASCIIFromString(&model, &errors, &warnings, text.data(),
+                                                 static_cast<unsigned int>(text.size()), "");
+  // tinygltf skips primitives it cannot parse and still succeeds, but then it has left an error.
+  if (!parsed || !errors.empty()) {
+    const std::string first_line = errors.substr(0, errors.find('\n'));
+    fail(file, fmt::format("invalid glTF: {}", first_line.empty() ? "unknown problem" : first_line));
+  }
+  return model;
+}
+
+void read_buffers(Document& document, const json& reduced, std::optional<ByteSpan> binary) {
+  const auto buffers = reduced.find("buffers");
+  if (buffers == reduced.end()) return;
+  for (size_t i = 0; i < buffers->size(); ++i) {
+    const json& buffer = (*buffers)[i];
+    const std::string element = fmt::format("buffer {}", i);
+    ByteSpan bytes;
+    if (buffer.contains("uri")) {
+      document.storage.push_back(document.files.read_uri(buffer["uri"].get<std::string>(), element));
+      bytes = document.storage.back();
+    } else if (i == 0 && binary) {
+      bytes = *binary;
+    }
+    const uint64_t length = buffer.value("byteLength", uint64_t{0});
+    if (length > bytes.size())
+      document.fail(fmt::format("{} declares {} bytes but has {}; copy or export the file again", element,
+                                length, bytes.size()));
+    document.buffers.push_back(bytes.first(length));
+  }
+}
+
+}  // namespace
+
+void Document::warn(const std::string& message) {
+  if (std::find(warnings.begin(), warnings.end(), message) == warnings.end()) warnings.push_back(message);
+}
+
+std::span<const unsigned char> Document::view(int buffer_view, const std::string& element) const {
+  const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(buffer_view));
+  const ByteSpan buffer = buffers.at(static_cast<size_t>(view.buffer));
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+    fail(fmt::format(
+        "{}: buffer view {} (bytes {} to {}) leaves its buffer of {} bytes; export the file again", element,
+        buffer_view, view.byteOffset, uint64_t{view.byteOffset} + view.byteLength, buffer.size()));
+  return buffer.subspan(view.byteOffset, view.byteLength);
+}
+
+Document open_document(const std::filesystem::path& path, bool allow_external) {
+  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}};
+  document.storage.push_back(document.files.read_scene());
+  const ByteSpan bytes = document.storage.back();
+  Container container{bytes, std::nullopt};
+  if (is_glb(bytes)) container = open_glb(bytes, path);
+
+  document.json = parse_json(container.json, path);
+  check_asset(document.json, path);
+  check_extensions(document);
+  warn_of_ignored_parts(document);
+  json reduced = document.json;
+  check_and_reduce(reduced, path);
+  read_buffers(document, reduced, container.binary);
+  document.images = reduced.value("images", json::array());
+  document.model = to_model(std::move(reduced), path);
+  return document;
+}
+
+float finite_float(const Document& document, double value, const std::string& element) {
+  const float result = static_cast<float>(value);
+  if (!std::isfinite(result)) document.fail(fmt::format("{} is not a finite number; correct it", element));
+  return result;
+}
+
+std::string element_name(const char* kind, size_t index, const std::string& name) {
+  return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} {} '{}'", kind, index, name);
+}
+
+}  // namespace regulus::scene

@@ -1,0 +1,93 @@
+// find_features: what kernels may leave out for this scene.
+#include <algorithm>
+#include <glm/gtc/packing.hpp>
+#include <utility>
+#include <vector>
+
+#include "interface/wavefront.h"
+#include "scene/scene.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using interface::INVALID_INDEX;
+
+// Cosine below which a vertex normal counts as smooth: further from the geometric normal than rounding puts
+// it.
+constexpr float FLAT_COSINE = 1.0f - 1e-6f;
+
+/// Least and greatest green value (roughness) of a texture.
+std::pair<float, float> roughness_range(const Scene& scene, const interface::Texture& texture) {
+  uint16_t low = 0xFFFF, high = 0;
+  const size_t count = static_cast<size_t>(texture.width) * texture.height;
+  for (size_t i = 0; i < count; ++i) {
+    // Non-negative halfs are ordered like their bits.
+    const uint16_t green = static_cast<uint16_t>(scene.texels[2 * (texture.first_texel + i)] >> 16);
+    low = std::min(low, green);
+    high = std::max(high, green);
+  }
+  return {glm::unpackHalf1x16(low), glm::unpackHalf1x16(high)};
+}
+
+uint32_t specular_features(const Scene& scene, const interface::Material& material) {
+  if (material.material_class == interface::MATERIAL_CLASS_DIFFUSE) return 0;
+  std::pair<float, float> scale(1.0f, 1.0f);
+  if (material.metallic_roughness_texture != INVALID_INDEX && material.roughness > 0)
+    scale = roughness_range(scene, scene.textures[material.metallic_roughness_texture]);
+  uint32_t bits = 0;
+  if (material.roughness * scale.second > 0) bits |= interface::FEATURE_ROUGH_SPECULAR;
+  if (material.roughness * scale.first == 0) bits |= interface::FEATURE_DELTA_SPECULAR;
+  return bits;
+}
+
+uint32_t material_features(const Scene& scene, const interface::Material& material) {
+  uint32_t bits = specular_features(scene, material);
+  for (const uint32_t texture : {material.base_color_texture, material.metallic_roughness_texture,
+                                 material.emissive_texture, material.transmission_texture})
+    if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
+  const bool is_volume = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
+                         (material.flags & interface::MATERIAL_VOLUME) != 0;
+  if (is_volume && material.absorption != glm::vec3(0)) bits |= interface::FEATURE_ABSORPTION;
+  return bits;
+}
+
+uint32_t light_features(const Scene& scene, const interface::Light& light) {
+  if (light.kind == interface::LIGHT_TRIANGLE) {
+    const bool is_two_sided = (scene.materials[light.material].flags & interface::MATERIAL_DOUBLE_SIDED) != 0;
+    return interface::FEATURE_TRIANGLE_LIGHTS | (is_two_sided ? interface::FEATURE_TWO_SIDED_LIGHTS : 0u);
+  }
+  if (light.kind == interface::LIGHT_DIRECTIONAL) return interface::FEATURE_DIRECTIONAL_LIGHTS;
+  return interface::FEATURE_POINT_LIGHTS;
+}
+
+bool is_smooth(const Scene& scene, const interface::Triangle& triangle) {
+  const interface::Vertex& a = scene.vertices[triangle.v0];
+  const interface::Vertex& b = scene.vertices[triangle.v1];
+  const interface::Vertex& c = scene.vertices[triangle.v2];
+  const glm::vec3 normal = glm::normalize(glm::cross(b.position - a.position, c.position - a.position));
+  return glm::dot(normal, a.normal) < FLAT_COSINE || glm::dot(normal, b.normal) < FLAT_COSINE ||
+         glm::dot(normal, c.normal) < FLAT_COSINE;
+}
+
+}  // namespace
+
+Features find_features(const Scene& scene) {
+  Features features;
+  std::vector<bool> is_used(scene.materials.size(), false);
+  bool has_smooth_normals = false;
+  for (const interface::Triangle& triangle : scene.triangles) {
+    is_used[triangle.material] = true;
+    has_smooth_normals = has_smooth_normals || is_smooth(scene, triangle);
+  }
+  if (has_smooth_normals) features.bits |= interface::FEATURE_SMOOTH_NORMALS;
+  for (size_t i = 0; i < scene.materials.size(); ++i) {
+    if (!is_used[i]) continue;
+    features.bits |= material_features(scene, scene.materials[i]);
+    features.material_classes |= 1u << scene.materials[i].material_class;
+  }
+  for (const interface::Light& light : scene.lights) features.bits |= light_features(scene, light);
+  if (scene.lights.size() > 1) features.bits |= interface::FEATURE_MANY_LIGHTS;
+  return features;
+}
+
+}  // namespace regulus::scene

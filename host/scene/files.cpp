@@ -1,0 +1,136 @@
+#include "scene/files.hpp"
+
+#include <fmt/core.h>
+#include <tiny_gltf.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <utility>
+
+#include "base/error.hpp"
+
+namespace regulus::scene {
+namespace fs = std::filesystem;
+
+namespace {
+
+int hex_digit(char c) {
+  if (c >= '0' && c <= '9') return c - '0';
+  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
+  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
+  return -1;
+}
+
+/// "http", "file", ... of an absolute URI, else empty. One letter is not a scheme but a drive.
+std::string uri_scheme(const std::string& uri) {
+  const size_t colon = uri.find(':');
+  if (colon == std::string::npos || colon < 2) return {};
+  const bool is_scheme = std::all_of(
+      uri.begin(), uri.begin() + static_cast<std::ptrdiff_t>(colon),
+      [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '+' || c == '-' || c == '.'; });
+  return is_scheme ? uri.substr(0, colon) : std::string();
+}
+
+bool is_below(const fs::path& path, const fs::path& folder) {
+  return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
+}
+
+/// The base64 payload of a data URI, whatever its media type.
+Bytes decode_data_uri(const std::string& uri, const fs::path& file, const std::string& element) {
+  const size_t comma = uri.find(',');
+  const std::string marker = ";base64";
+  if (comma == std::string::npos || comma < marker.size() ||
+      uri.compare(comma - marker.size(), marker.size(), marker) != 0)
+    fail(file,
+         element + ": the data URI is not base64; write it as data:application/octet-stream;base64,...");
+  // tinygltf knows a fixed list of media types; ours is the one it accepts for any content.
+  const std::string canonical = "data:application/octet-stream;base64," + uri.substr(comma + 1);
+  Bytes bytes;
+  std::string media_type;
+  if (comma + 1 < uri.size() && !tinygltf::DecodeDataURI(&bytes, media_type, canonical, 0, false))
+    fail(file, element + ": the data URI holds no valid base64; export the file again");
+  return bytes;
+}
+
+}  // namespace
+
+void fail(const fs::path& file, const std::string& message) {
+  throw Error(ExitStatus::BadFile, fmt::format("{}: {}", file.string(), message));
+}
+
+std::string percent_decode(const std::string& text) {
+  std::string decoded;
+  decoded.reserve(text.size());
+  for (size_t i = 0; i < text.size(); ++i) {
+    if (text[i] == '%' && i + 2 < text.size() && hex_digit(text[i + 1]) >= 0 && hex_digit(text[i + 2]) >= 0) {
+      decoded += static_cast<char>(hex_digit(text[i + 1]) * 16 + hex_digit(text[i + 2]));
+      i += 2;
+    } else {
+      decoded += text[i];
+    }
+  }
+  return decoded;
+}
+
+Files::Files(fs::path scene_file, bool allow_external)
+    : scene_file_(std::move(scene_file)), allow_external_(allow_external) {}
+
+Bytes Files::read_scene() {
+  return read_file(scene_file_, "");
+}
+
+Bytes Files::read_uri(const std::string& uri, const std::string& element) {
+  if (uri.rfind("data:", 0) == 0) return decode_data_uri(uri, scene_file_, element);
+  return read_file(resolve(uri, element), element);
+}
+
+fs::path Files::resolve(const std::string& uri, const std::string& element) const {
+  const std::string scheme = uri_scheme(uri);
+  if (!scheme.empty())
+    fail(scene_file_,
+         fmt::format("{}: cannot read '{}' URIs; store the file beside the scene", element, scheme));
+  const std::string decoded = percent_decode(uri);
+  if (decoded.empty() || decoded.find('\0') != std::string::npos)
+    fail(scene_file_, fmt::format("{}: empty or malformed URI; name a file beside the scene", element));
+
+  const fs::path folder = scene_file_.has_parent_path() ? scene_file_.parent_path() : fs::path(".");
+  const fs::path path = folder / fs::path(decoded);
+  std::error_code error;
+  const fs::path real_folder = fs::weakly_canonical(folder, error);
+  const fs::path real_path = error ? fs::path() : fs::weakly_canonical(path, error);
+  if (error) fail(scene_file_, fmt::format("{}: cannot resolve '{}': {}", element, decoded, error.message()));
+  if (!allow_external_ && !is_below(real_path, real_folder))
+    fail(scene_file_,
+         fmt::format("{}: '{}' lies outside the scene's folder; pass --allow-external to read it", element,
+                     decoded));
+  return real_path;
+}
+
+Bytes Files::read_file(const fs::path& path, const std::string& element) {
+  const auto refuse = [&](const std::string& problem) {
+    if (element.empty()) fail(path, problem);
+    fail(scene_file_, fmt::format("{}: '{}': {}", element, path.string(), problem));
+  };
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (!fs::exists(status)) refuse("no such file; check the path");
+  if (!fs::is_regular_file(status)) refuse("not a file; name a .gltf or .glb file");
+  std::ifstream stream(path, std::ios::binary);
+  if (!stream) refuse("cannot be opened; check its permissions");
+  const uint64_t size = fs::file_size(path, error);
+  if (error) refuse("its size cannot be read: " + error.message());
+  Bytes bytes(size);
+  stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
+  if (static_cast<uint64_t>(stream.gcount()) != size) refuse("reading stopped early; check the disk");
+  add_to_hash(bytes);
+  return bytes;
+}
+
+void Files::add_to_hash(const Bytes& bytes) {
+  uint64_t hash = hash_;
+  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
+  hash_ = hash;
+}
+
+}  // namespace regulus::scene

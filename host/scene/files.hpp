@@ -1,0 +1,48 @@
+// The bytes of a scene: its file and what it refers to by URI. Decides which paths may be opened and hashes
+// everything that was read. Knows nothing of glTF's structure.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace regulus::scene {
+
+using Bytes = std::vector<unsigned char>;
+
+/// Throws Error(BadFile) "file: message".
+[[noreturn]] void fail(const std::filesystem::path& file, const std::string& message);
+
+class Files {
+ public:
+  /// @param allow_external URIs may leave the folder of `scene_file`.
+  Files(std::filesystem::path scene_file, bool allow_external);
+
+  /// The scene file itself. @throws Error if it cannot be read.
+  Bytes read_scene();
+
+  /// What a URI refers to: decodes `data:`, else reads the file below the scene's folder.
+  /// @param element names the user of the URI in errors, e.g. "image 3".
+  /// @throws Error if the URI is malformed, remote, outside the folder, or cannot be read.
+  Bytes read_uri(const std::string& uri, const std::string& element);
+
+  /// FNV-1a (64 bit) of all bytes read so far, in the order of reading.
+  uint64_t hash() const { return hash_; }
+
+  const std::filesystem::path& scene_file() const { return scene_file_; }
+
+ private:
+  std::filesystem::path resolve(const std::string& uri, const std::string& element) const;
+  Bytes read_file(const std::filesystem::path& path, const std::string& element);
+  void add_to_hash(const Bytes& bytes);
+
+  std::filesystem::path scene_file_;
+  bool allow_external_;
+  uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+/// A URI with its %XX escapes decoded. Malformed escapes stay as they are.
+std::string percent_decode(const std::string& text);
+
+}  // namespace regulus::scene

@@ -1,0 +1,326 @@
+#include "scene/geometry.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <optional>
+
+#include "scene/accessor.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using interface::INVALID_INDEX;
+
+// Beyond this, products of edge lengths overflow in the kernels' single precision.
+constexpr float MAX_COORDINATE = 1e9f;
+
+struct Instance {
+  size_t mesh;
+  size_t primitive;
+  glm::dmat4 to_world;
+};
+
+/// What was seen while flattening, reported in one warning each.
+struct Tally {
+  uint64_t triangles = 0;
+  uint64_t without_area = 0;
+  uint64_t bad_normals = 0;
+  uint64_t bad_uvs = 0;
+};
+
+const tinygltf::Primitive& primitive_of(const Document& document, const Instance& instance) {
+  return document.model.meshes[instance.mesh].primitives[instance.primitive];
+}
+
+std::string instance_name(const Document& document, const Instance& instance) {
+  return fmt::format("{} primitive {}",
+                     element_name("mesh", instance.mesh, document.model.meshes[instance.mesh].name),
+                     instance.primitive);
+}
+
+std::optional<AccessorReader> attribute(const Document& document, const Instance& instance, const char* name,
+                                        int type) {
+  const auto& attributes = primitive_of(document, instance).attributes;
+  const auto found = attributes.find(name);
+  if (found == attributes.end()) return std::nullopt;
+  return AccessorReader(document, found->second, type, instance_name(document, instance) + " " + name);
+}
+
+/// The corners of a primitive's triangles as indices into its vertices.
+class TriangleList {
+ public:
+  TriangleList(const Document& document, const Instance& instance, uint64_t vertex_count)
+      : mode_(primitive_of(document, instance).mode), vertex_count_(vertex_count) {
+    const int indices = primitive_of(document, instance).indices;
+    if (indices >= 0) {
+      indices_.emplace(document, indices, TINYGLTF_TYPE_SCALAR,
+                       instance_name(document, instance) + " indices");
+      indices_->require_indices(document);
+    }
+    corners_ = indices_ ? indices_->count() : vertex_count;
+  }
+
+  uint64_t size() const {
+    if (mode_ == TINYGLTF_MODE_TRIANGLES) return corners_ / 3;
+    return corners_ < 3 ? 0 : corners_ - 2;
+  }
+
+  uint64_t leftover() const { return mode_ == TINYGLTF_MODE_TRIANGLES ? corners_ % 3 : 0; }
+
+  /// Vertex indices of triangle t, counter-clockwise at the front (glTF 2.0, 3.7.2.1).
+  /// @throws Error if one is out of range.
+  glm::uvec3 at(const Document& document, const Instance& instance, uint64_t t) const {
+    glm::u64vec3 corner(3 * t, 3 * t + 1, 3 * t + 2);
+    if (mode_ == TINYGLTF_MODE_TRIANGLE_STRIP) corner = {t, t + (1 + t % 2), t + (2 - t % 2)};
+    if (mode_ == TINYGLTF_MODE_TRIANGLE_FAN) corner = {t + 1, t + 2, 0};
+    glm::uvec3 vertex;
+    for (int i = 0; i < 3; ++i) {
+      vertex[i] = indices_ ? indices_->index_at(corner[i]) : static_cast<uint32_t>(corner[i]);
+      if (vertex[i] >= vertex_count_)
+        document.fail(fmt::format("{}: index {} refers to vertex {} of {}; export the file again",
+                                  instance_name(document, instance), corner[i], vertex[i], vertex_count_));
+    }
+    return vertex;
+  }
+
+ private:
+  int mode_;
+  uint64_t vertex_count_;
+  uint64_t corners_ = 0;
+  std::optional<AccessorReader> indices_;
+};
+
+bool is_triangle_mode(int mode) {
+  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+/// Geometric normal as kernels compute it, in single precision; zero when the triangle has no usable area
+/// (its squared length would leave the normal range and the normal be noise).
+glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2) {
+  const glm::vec3 normal = glm::cross(p1 - p0, p2 - p0);
+  const float length_squared = glm::dot(normal, normal);
+  if (!(length_squared >= FLT_MIN) || !std::isfinite(length_squared)) return glm::vec3(0);
+  return normal / std::sqrt(length_squared);
+}
+
+/// Flattens one primitive.
+class PrimitiveBuilder {
+ public:
+  PrimitiveBuilder(Document& document, const Instance& instance, Scene& scene, Tally& tally)
+      : document_(document),
+        instance_(instance),
+        scene_(scene),
+        tally_(tally),
+        positions_(*attribute(document, instance, "POSITION", TINYGLTF_TYPE_VEC3)),
+        normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
+        uvs_(attribute(document, instance, "TEXCOORD_0", TINYGLTF_TYPE_VEC2)),
+        triangles_(document, instance, positions_.count()) {
+    const glm::dmat3 linear(instance.to_world);
+    const double determinant = glm::determinant(linear);
+    is_mirrored_ = determinant < 0;
+    // The cofactor matrix is determinant * inverse transpose and exists for flattening transforms too.
+    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                              glm::cross(linear[0], linear[1]));
+    normal_to_world_ = is_mirrored_ ? -cofactor : cofactor;
+    const int material = primitive_of(document, instance).material;
+    material_ = material >= 0 ? static_cast<uint32_t>(material)
+                              : static_cast<uint32_t>(document.model.materials.size());
+  }
+
+  void build() {
+    require_same_count(normals_);
+    require_same_count(uvs_);
+    if (triangles_.leftover() != 0)
+      document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
+                                 instance_name(document_, instance_), triangles_.leftover()));
+    if (normals_) {
+      add_shared_vertices();
+      add_smooth_triangles();
+    } else {
+      add_flat_triangles();
+    }
+  }
+
+ private:
+  void require_same_count(const std::optional<AccessorReader>& reader) const {
+    if (reader && reader->count() != positions_.count())
+      document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
+                                 reader->element(), reader->count(), positions_.count()));
+  }
+
+  glm::vec3 position(uint64_t i) const {
+    const glm::vec3 local = positions_.vec3_at(i);
+    const glm::vec3 world(instance_.to_world * glm::dvec4(local, 1.0));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(local[axis]))
+        document_.fail(fmt::format("{}: vertex {} is not finite; repair the mesh", positions_.element(), i));
+      if (!(std::fabs(world[axis]) <= MAX_COORDINATE))
+        document_.fail(fmt::format("{}: vertex {} lies beyond {:g} units; scale the scene down",
+                                   positions_.element(), i, MAX_COORDINATE));
+    }
+    return world;
+  }
+
+  glm::vec2 uv(uint64_t i) {
+    if (!uvs_) return glm::vec2(0);
+    const glm::vec2 value = uvs_->vec2_at(i);
+    if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
+    ++tally_.bad_uvs;
+    return glm::vec2(0);
+  }
+
+  /// World-space unit normal; zero where the file's normal gives no direction.
+  glm::vec3 normal(uint64_t i) const {
+    const glm::dvec3 world = normal_to_world_ * glm::dvec3(normals_->vec3_at(i));
+    const double largest = std::max({std::fabs(world.x), std::fabs(world.y), std::fabs(world.z)});
+    if (!(largest > 0) || !std::isfinite(largest)) return glm::vec3(0);
+    return glm::vec3(glm::normalize(world / largest));
+  }
+
+  void add_shared_vertices() {
+    first_vertex_ = static_cast<uint32_t>(scene_.vertices.size());
+    for (uint64_t i = 0; i < positions_.count(); ++i)
+      scene_.vertices.push_back({position(i), normal(i), uv(i)});
+  }
+
+  void add_smooth_triangles() {
+    for (uint64_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3 corner = corners(t) + first_vertex_;
+      const glm::vec3 geometric =
+          geometric_normal(scene_.vertices[corner.x].position, scene_.vertices[corner.y].position,
+                           scene_.vertices[corner.z].position);
+      if (geometric == glm::vec3(0)) {
+        ++tally_.without_area;
+        continue;
+      }
+      for (int i = 0; i < 3; ++i) {
+        glm::vec3& shading = scene_.vertices[corner[i]].normal;
+        if (shading != glm::vec3(0)) continue;
+        shading = geometric;
+        ++tally_.bad_normals;
+      }
+      add_triangle(corner);
+    }
+    // Vertices that no triangle uses still keep the promise of unit normals.
+    for (size_t i = first_vertex_; i < scene_.vertices.size(); ++i)
+      if (scene_.vertices[i].normal == glm::vec3(0)) scene_.vertices[i].normal = {0, 0, 1};
+  }
+
+  void add_flat_triangles() {
+    for (uint64_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3 corner = corners(t);
+      const glm::vec3 p[3] = {position(corner.x), position(corner.y), position(corner.z)};
+      const glm::vec3 geometric = geometric_normal(p[0], p[1], p[2]);
+      if (geometric == glm::vec3(0)) {
+        ++tally_.without_area;
+        continue;
+      }
+      const uint32_t first = static_cast<uint32_t>(scene_.vertices.size());
+      for (int i = 0; i < 3; ++i) scene_.vertices.push_back({p[i], geometric, uv(corner[i])});
+      add_triangle({first, first + 1, first + 2});
+    }
+  }
+
+  /// Corners of triangle t; a mirroring transform turns the front face away, so two corners swap.
+  glm::uvec3 corners(uint64_t t) {
+    ++tally_.triangles;
+    const glm::uvec3 corner = triangles_.at(document_, instance_, t);
+    return is_mirrored_ ? glm::uvec3(corner.x, corner.z, corner.y) : corner;
+  }
+
+  void add_triangle(const glm::uvec3& corner) {
+    scene_.triangles.push_back({corner.x, corner.y, corner.z, material_, INVALID_INDEX, 0u});
+  }
+
+  Document& document_;
+  const Instance& instance_;
+  Scene& scene_;
+  Tally& tally_;
+  AccessorReader positions_;
+  std::optional<AccessorReader> normals_;
+  std::optional<AccessorReader> uvs_;
+  TriangleList triangles_;
+  bool is_mirrored_ = false;
+  glm::dmat3 normal_to_world_{1.0};
+  uint32_t material_ = 0;
+  uint32_t first_vertex_ = 0;
+};
+
+void warn_of_ignored_attributes(Document& document, const Instance& instance) {
+  for (const auto& [name, accessor] : primitive_of(document, instance).attributes)
+    if (name.rfind("COLOR_", 0) == 0) document.warn("vertex colours are not read");
+}
+
+std::vector<Instance> find_instances(Document& document, const std::vector<PlacedNode>& nodes) {
+  std::vector<Instance> instances;
+  uint64_t skipped = 0;
+  for (const PlacedNode& placed : nodes) {
+    const int mesh = document.model.nodes[placed.node].mesh;
+    if (mesh < 0) continue;
+    const size_t mesh_index = static_cast<size_t>(mesh);
+    const auto& primitives = document.model.meshes[mesh_index].primitives;
+    for (size_t i = 0; i < primitives.size(); ++i) {
+      if (is_triangle_mode(primitives[i].mode) && primitives[i].attributes.count("POSITION") != 0)
+        instances.push_back({mesh_index, i, placed.to_world});
+      else
+        ++skipped;
+    }
+  }
+  if (skipped != 0)
+    document.warn(
+        fmt::format("{} primitives are points, lines or without positions and are skipped", skipped));
+  return instances;
+}
+
+/// Counts from the accessors' headers, before anything is allocated.
+void require_memory(const Document& document, const std::vector<Instance>& instances, Scene& scene) {
+  uint64_t triangles = 0;
+  uint64_t vertices = 0;
+  for (const Instance& instance : instances) {
+    const auto& attributes = primitive_of(document, instance).attributes;
+    const AccessorReader positions(document, attributes.at("POSITION"), TINYGLTF_TYPE_VEC3,
+                                   instance_name(document, instance) + " POSITION");
+    const uint64_t primitive_triangles = TriangleList(document, instance, positions.count()).size();
+    triangles += primitive_triangles;
+    vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * primitive_triangles;
+    if (triangles >= (uint64_t{1} << 31) || vertices >= INVALID_INDEX)
+      document.fail(
+          fmt::format("more than 2^31 triangles or 2^32 vertices after instancing; reduce the scene"));
+  }
+  const uint64_t bytes = triangles * sizeof(interface::Triangle) + vertices * sizeof(interface::Vertex);
+  const uint64_t memory =
+      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
+  if (bytes > memory / 2)
+    document.fail(
+        fmt::format("{} triangles need {} MiB, more than half of this machine's {} MiB; reduce the scene",
+                    triangles, bytes >> 20, memory >> 20));
+  scene.triangles.reserve(triangles);
+  scene.vertices.reserve(vertices);
+}
+
+}  // namespace
+
+void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scene& scene) {
+  const std::vector<Instance> instances = find_instances(document, nodes);
+  require_memory(document, instances, scene);
+  Tally tally;
+  for (const Instance& instance : instances) {
+    warn_of_ignored_attributes(document, instance);
+    PrimitiveBuilder(document, instance, scene, tally).build();
+  }
+  if (tally.without_area != 0)
+    document.warn(
+        fmt::format("{} of {} triangles have no area and were dropped", tally.without_area, tally.triangles));
+  if (tally.bad_normals != 0)
+    document.warn(
+        fmt::format("{} vertex normals have no direction; geometric normals are used", tally.bad_normals));
+  if (tally.bad_uvs != 0)
+    document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
+}
+
+}  // namespace regulus::scene

@@ -1,0 +1,107 @@
+// load: the order in which a scene is read. Also reorder_triangles.
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <new>
+
+#include "base/error.hpp"
+#include "scene/document.hpp"
+#include "scene/geometry.hpp"
+#include "scene/material.hpp"
+#include "scene/nodes.hpp"
+#include "scene/punctual.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using nlohmann::json;
+
+constexpr uint64_t MAX_FILM_SIDE = 65536;
+
+/// Member `name` of `object` if both are objects.
+const json* object_member(const json* object, const char* name) {
+  if (object == nullptr || !object->is_object()) return nullptr;
+  const auto member = object->find(name);
+  return member != object->end() ? &*member : nullptr;
+}
+
+void read_resolution(Document& document, Scene& scene) {
+  const json* resolution =
+      object_member(object_member(object_member(&document.json, "asset"), "extras"), "resolution");
+  if (resolution == nullptr) return;
+  const auto is_side = [](const json& side) {
+    return side.is_number_unsigned() && side.get<uint64_t>() >= 1 && side.get<uint64_t>() <= MAX_FILM_SIDE;
+  };
+  if (!resolution->is_array() || resolution->size() != 2 || !is_side((*resolution)[0]) ||
+      !is_side((*resolution)[1])) {
+    document.warn("asset.extras.resolution is not [width, height] in pixels and is ignored");
+    return;
+  }
+  scene.resolution = glm::uvec2((*resolution)[0].get<uint32_t>(), (*resolution)[1].get<uint32_t>());
+}
+
+void read_settings(Document& document, size_t scene_index, Scene& scene) {
+  const json& source = document.json["scenes"][scene_index];
+  const json* settings = object_member(object_member(&source, "extras"), "regulus");
+  if (settings == nullptr || !settings->is_object()) return;
+  for (const auto& [name, value] : settings->items()) {
+    if (value.is_string())
+      scene.settings[name] = value.get<std::string>();
+    else if (value.is_number() || value.is_boolean())
+      scene.settings[name] = value.dump();
+    else
+      document.warn(fmt::format("scenes/{}/extras/regulus/{} is not a string, number or bool and is ignored",
+                                scene_index, name));
+  }
+}
+
+void set_bounds(Scene& scene) {
+  scene.bounds_min = scene.bounds_max = scene.vertices[scene.triangles.front().v0].position;
+  for (const interface::Triangle& triangle : scene.triangles)
+    for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2}) {
+      scene.bounds_min = glm::min(scene.bounds_min, scene.vertices[vertex].position);
+      scene.bounds_max = glm::max(scene.bounds_max, scene.vertices[vertex].position);
+    }
+}
+
+Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
+  Document document = open_document(path, options.allow_external);
+  const std::optional<size_t> scene_index = choose_scene(document, options.scene);
+  const std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
+
+  Scene scene;
+  scene.path = path;
+  add_geometry(document, nodes, scene);
+  if (scene.triangles.empty())
+    document.fail("nothing to render: the scene has no triangle; choose another scene or file");
+  set_bounds(scene);
+  add_materials(document, scene);
+  add_punctual_lights(document, nodes, scene);
+  add_cameras(document, nodes, scene);
+  if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
+  read_resolution(document, scene);
+  if (scene_index) read_settings(document, *scene_index, scene);
+  scene.warnings = document.warnings;
+  scene.hash = document.files.hash();
+  return scene;
+}
+
+}  // namespace
+
+Scene load(const std::filesystem::path& path, const LoadOptions& options) {
+  try {
+    return load_unguarded(path, options);
+  } catch (const std::bad_alloc&) {
+    fail(path, "not enough memory to load it; reduce the scene");
+  }
+}
+
+void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order) {
+  std::vector<interface::Triangle> reordered;
+  reordered.reserve(order.size());
+  for (const uint32_t old_index : order) reordered.push_back(scene.triangles.at(old_index));
+  scene.triangles = std::move(reordered);
+}
+
+}  // namespace regulus::scene

@@ -1,0 +1,207 @@
+#include "scene/material.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "scene/texture.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using interface::INVALID_INDEX;
+using tinygltf::Value;
+
+constexpr double INFINITE_IOR = 1e6;
+
+/// Converts one material; holds what all its steps need.
+class MaterialBuilder {
+ public:
+  MaterialBuilder(Document& document, const tinygltf::Material& source, std::string name)
+      : document_(document), source_(source), name_(std::move(name)) {}
+
+  interface::Material build() {
+    interface::Material material {};
+    const auto& pbr = source_.pbrMetallicRoughness;
+    material.base_color = {factor(pbr.baseColorFactor[0], "baseColorFactor"),
+                           factor(pbr.baseColorFactor[1], "baseColorFactor"),
+                           factor(pbr.baseColorFactor[2], "baseColorFactor")};
+    material.metallic = factor(pbr.metallicFactor, "metallicFactor");
+    material.roughness = factor(pbr.roughnessFactor, "roughnessFactor");
+    material.base_color_texture = INVALID_INDEX;
+    material.metallic_roughness_texture = INVALID_INDEX;
+    material.emissive_texture = INVALID_INDEX;
+    material.transmission_texture = INVALID_INDEX;
+    if (source_.doubleSided) material.flags |= interface::MATERIAL_DOUBLE_SIDED;
+    set_dielectric(material);
+    set_transmission(material);
+    set_emission(material);
+    material.material_class = classify(material);
+    warn_of_ignored();
+    return material;
+  }
+
+ private:
+  const Value* extension(const char* name) const {
+    const auto found = source_.extensions.find(name);
+    return found != source_.extensions.end() && found->second.IsObject() ? &found->second : nullptr;
+  }
+
+  static double number(const Value* extension, const char* member, double otherwise) {
+    return extension != nullptr && extension->Has(member) ? extension->Get(member).GetNumberAsDouble()
+                                                          : otherwise;
+  }
+
+  glm::dvec3 color(const Value* extension, const char* member) const {
+    if (extension == nullptr || !extension->Has(member)) return glm::dvec3(1.0);
+    const Value& value = extension->Get(member);
+    return {value.Get(0).GetNumberAsDouble(), value.Get(1).GetNumberAsDouble(),
+            value.Get(2).GetNumberAsDouble()};
+  }
+
+  /// Clamps to [low, high] with a warning.
+  float in_range(double value, double low, double high, const char* member) {
+    const double clamped = std::clamp(value, low, high);
+    if (clamped != value)
+      document_.warn(fmt::format("{}: {} {:g} is clamped to {:g}", name_, member, value, clamped));
+    return finite_float(document_, clamped, name_ + ": " + member);
+  }
+
+  float factor(double value, const char* member) { return in_range(value, 0, 1, member); }
+
+  void set_dielectric(interface::Material& material) {
+    const double ior = number(extension("KHR_materials_ior"), "ior", 1.5);
+    material.ior = ior == 0 ? static_cast<float>(INFINITE_IOR) : in_range(ior, 1, INFINITE_IOR, "ior");
+    const Value* specular = extension("KHR_materials_specular");
+    material.specular = factor(number(specular, "specularFactor", 1), "specularFactor");
+    const glm::dvec3 tint = color(specular, "specularColorFactor");
+    for (int i = 0; i < 3; ++i)
+      material.specular_color[i] = in_range(tint[i], 0, FLT_MAX, "specularColorFactor");
+    for (const char* texture : {"specularTexture", "specularColorTexture"})
+      if (specular != nullptr && specular->Has(texture)) ignored(texture);
+  }
+
+  void set_transmission(interface::Material& material) {
+    material.transmission = factor(number(extension("KHR_materials_transmission"), "transmissionFactor", 0),
+                                   "transmissionFactor");
+    const Value* volume = extension("KHR_materials_volume");
+    if (volume == nullptr) return;
+    if (volume->Has("thicknessTexture")) ignored("thicknessTexture");
+    if (!(number(volume, "thicknessFactor", 0) > 0)) return;
+    material.flags |= interface::MATERIAL_VOLUME;
+    if (!volume->Has("attenuationDistance")) return;
+    const double distance = number(volume, "attenuationDistance", 0);
+    if (!(distance > 0)) document_.fail(name_ + ": attenuationDistance must be greater than 0; correct it");
+    const glm::dvec3 tint = color(volume, "attenuationColor");
+    for (int i = 0; i < 3; ++i) {
+      // A component of 0 would absorb infinitely fast; the smallest float is as black.
+      const double transmitted = std::max<double>(factor(tint[i], "attenuationColor"), FLT_MIN);
+      material.absorption[i] =
+          finite_float(document_, -std::log(transmitted) / distance, name_ + ": absorption");
+    }
+  }
+
+  void set_emission(interface::Material& material) {
+    const double strength = number(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1);
+    for (int i = 0; i < 3; ++i)
+      material.emission[i] =
+          in_range(source_.emissiveFactor[static_cast<size_t>(i)] * strength, 0, FLT_MAX, "emission");
+    if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
+  }
+
+  /// Which lobes the material can have: without dielectric reflection (see shaders/lib/bsdf.glsl: F_d = 0
+  /// when specular is 0 or ior is 1), metal and transmission, Lambert is all.
+  static uint32_t classify(const interface::Material& material) {
+    if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
+    const bool can_be_metal = material.metallic > 0;  // the texture only scales it
+    const bool reflects = material.specular > 0 && material.ior != 1.0f;
+    return can_be_metal || reflects ? interface::MATERIAL_CLASS_OPAQUE : interface::MATERIAL_CLASS_DIFFUSE;
+  }
+
+  void ignored(const char* what) { document_.warn(fmt::format("{}: {} is not read", name_, what)); }
+
+  void warn_of_ignored() {
+    if (!source_.alphaMode.empty() && source_.alphaMode != "OPAQUE")
+      document_.warn(fmt::format("{}: alphaMode {} is not read: opaque", name_, source_.alphaMode));
+  }
+
+  Document& document_;
+  const tinygltf::Material& source_;
+  std::string name_;
+};
+
+/// Attaches the textures of one material.
+class TextureSlots {
+ public:
+  TextureSlots(Document& document, TextureLoader& loader, const tinygltf::Material& source, std::string name)
+      : document_(document), loader_(loader), source_(source), name_(std::move(name)) {}
+
+  void attach(interface::Material& material) {
+    const auto& pbr = source_.pbrMetallicRoughness;
+    material.base_color_texture =
+        load(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, TextureContent::Color);
+    material.metallic_roughness_texture =
+        load(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, TextureContent::Data);
+    if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
+      material.emissive_texture =
+          load(source_.emissiveTexture.index, source_.emissiveTexture.texCoord, TextureContent::Color);
+    const auto transmission = source_.extensions.find("KHR_materials_transmission");
+    if (material.transmission > 0 && transmission->second.Has("transmissionTexture")) {
+      const Value& info = transmission->second.Get("transmissionTexture");
+      const int set = info.Has("texCoord") ? info.Get("texCoord").GetNumberAsInt() : 0;
+      material.transmission_texture =
+          load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, set, TextureContent::Data);
+    }
+  }
+
+ private:
+  uint32_t load(int texture, int uv_set, TextureContent content) {
+    if (texture < 0) return INVALID_INDEX;
+    if (uv_set != 0)
+      document_.warn(fmt::format("{}: texture coordinate set {} is not read, 0 is used", name_, uv_set));
+    return loader_.load(texture, content);
+  }
+
+  Document& document_;
+  TextureLoader& loader_;
+  const tinygltf::Material& source_;
+  std::string name_;
+};
+
+/// Textures that change the look but are not read, from the file as written.
+void warn_of_normal_maps(Document& document, const std::vector<bool>& is_used) {
+  const auto materials = document.json.find("materials");
+  if (materials == document.json.end()) return;
+  for (size_t i = 0; i < materials->size(); ++i)
+    if (is_used[i] && (*materials)[i].contains("normalTexture")) document.warn("normal maps are not read");
+}
+
+}  // namespace
+
+void add_materials(Document& document, Scene& scene) {
+  const auto& sources = document.model.materials;
+  std::vector<bool> is_used(sources.size() + 1, false);
+  for (const interface::Triangle& triangle : scene.triangles) is_used[triangle.material] = true;
+
+  TextureLoader loader(document, scene);
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const std::string name = element_name("material", i, sources[i].name);
+    interface::Material material = MaterialBuilder(document, sources[i], name).build();
+    if (is_used[i]) TextureSlots(document, loader, sources[i], name).attach(material);
+    scene.materials.push_back(material);
+    scene.material_names.push_back(sources[i].name);
+  }
+  if (is_used.back()) {
+    tinygltf::Material standard;
+    standard.emissiveFactor = {0, 0, 0};
+    scene.materials.push_back(MaterialBuilder(document, standard, "default material").build());
+    scene.material_names.emplace_back();
+  }
+  warn_of_normal_maps(document, is_used);
+}
+
+}  // namespace regulus::scene

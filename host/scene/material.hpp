@@ -1,0 +1,14 @@
+// glTF materials to the renderer's own.
+#pragma once
+
+#include "scene/document.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::scene {
+
+/// Fills Scene::materials (same indices as the file; one more, glTF's default material, if a triangle uses
+/// it) and the textures of those that triangles use. Call after add_geometry.
+/// @throws Error on values without meaning and on unreadable images.
+void add_materials(Document& document, Scene& scene);
+
+}  // namespace regulus::scene

@@ -1,0 +1,135 @@
+#include "scene/nodes.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+namespace regulus::scene {
+namespace {
+
+std::string node_name(const Document& document, size_t node) {
+  return element_name("node", node, document.model.nodes[node].name);
+}
+
+glm::dmat4 local_transform(const Document& document, size_t index) {
+  const tinygltf::Node& node = document.model.nodes[index];
+  glm::dmat4 transform(1.0);
+  if (!node.matrix.empty()) {
+    for (int i = 0; i < 16; ++i) transform[i / 4][i % 4] = node.matrix[static_cast<size_t>(i)];
+    // Affine by specification; a projective row would make every position below it wrong.
+    if (transform[0][3] != 0 || transform[1][3] != 0 || transform[2][3] != 0 || transform[3][3] != 1)
+      document.fail(
+          fmt::format("{}: last row of its matrix is not 0 0 0 1; correct it", node_name(document, index)));
+    return transform;
+  }
+  if (!node.translation.empty())
+    transform = glm::translate(transform, {node.translation[0], node.translation[1], node.translation[2]});
+  if (!node.rotation.empty()) {
+    const glm::dquat rotation(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
+    const double length = glm::length(rotation);
+    if (!(length > 0) || !std::isfinite(length))
+      document.fail(
+          fmt::format("{}: its rotation is not a quaternion; correct it", node_name(document, index)));
+    transform *= glm::mat4_cast(rotation / length);
+  }
+  if (!node.scale.empty()) transform = glm::scale(transform, {node.scale[0], node.scale[1], node.scale[2]});
+  return transform;
+}
+
+bool is_finite(const glm::dmat4& matrix) {
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      if (!std::isfinite(static_cast<float>(matrix[column][row]))) return false;
+  return true;
+}
+
+constexpr size_t NO_PARENT = static_cast<size_t>(-1);
+
+std::vector<size_t> find_parents(const Document& document) {
+  const auto& nodes = document.model.nodes;
+  std::vector<size_t> parents(nodes.size(), NO_PARENT);
+  for (size_t i = 0; i < nodes.size(); ++i)
+    for (const int child : nodes[i].children) {
+      size_t& parent = parents[static_cast<size_t>(child)];
+      if (parent != NO_PARENT)
+        document.fail(fmt::format("{} is a child of both node {} and node {}; a node has one parent",
+                                  node_name(document, static_cast<size_t>(child)), parent, i));
+      parent = i;
+    }
+  return parents;
+}
+
+std::vector<size_t> find_roots(const Document& document, std::optional<size_t> scene,
+                               const std::vector<size_t>& parents) {
+  std::vector<size_t> roots;
+  if (scene) {
+    for (const int node : document.model.scenes[*scene].nodes) roots.push_back(static_cast<size_t>(node));
+  } else {
+    for (size_t i = 0; i < parents.size(); ++i)
+      if (parents[i] == NO_PARENT) roots.push_back(i);
+  }
+  return roots;
+}
+
+/// Every chain of parents must end at a root: with one parent per node, a chain that does not is a cycle.
+void require_acyclic(const Document& document, const std::vector<size_t>& parents) {
+  enum : unsigned char { Unseen, Open, Done };
+  std::vector<unsigned char> state(parents.size(), Unseen);
+  std::vector<size_t> chain;
+  for (size_t start = 0; start < parents.size(); ++start) {
+    chain.clear();
+    size_t node = start;
+    for (; node != NO_PARENT && state[node] == Unseen; node = parents[node]) {
+      state[node] = Open;
+      chain.push_back(node);
+    }
+    if (node != NO_PARENT && state[node] == Open)
+      document.fail(fmt::format("{} is its own ancestor; remove the cycle from the node hierarchy",
+                                node_name(document, node)));
+    for (const size_t seen : chain) state[seen] = Done;
+  }
+}
+
+}  // namespace
+
+std::optional<size_t> choose_scene(const Document& document, std::optional<uint32_t> wanted) {
+  const size_t count = document.model.scenes.size();
+  if (wanted) {
+    if (*wanted >= count) document.fail(fmt::format("there is no scene {}; the file has {}", *wanted, count));
+    return *wanted;
+  }
+  if (count == 0) return std::nullopt;
+  return document.model.defaultScene >= 0 ? static_cast<size_t>(document.model.defaultScene) : 0;
+}
+
+std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size_t> scene) {
+  const std::vector<size_t> parents = find_parents(document);
+  require_acyclic(document, parents);
+
+  std::vector<PlacedNode> placed;
+  std::vector<bool> is_placed(parents.size(), false);
+  std::vector<PlacedNode> stack;  // explicit: hierarchies may be as deep as there are nodes
+  const std::vector<size_t> roots = find_roots(document, scene, parents);
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
+  while (!stack.empty()) {
+    const PlacedNode top = stack.back();
+    stack.pop_back();
+    if (is_placed[top.node])
+      document.fail(fmt::format("{} is placed twice in the scene; list only root nodes, once each",
+                                node_name(document, top.node)));
+    is_placed[top.node] = true;
+    const glm::dmat4 to_world = top.to_world * local_transform(document, top.node);
+    if (!is_finite(to_world))
+      document.fail(
+          fmt::format("{}: its transform is not finite; correct it", node_name(document, top.node)));
+    placed.push_back({top.node, to_world});
+    const auto& children = document.model.nodes[top.node].children;
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      stack.push_back({static_cast<size_t>(*child), to_world});
+  }
+  return placed;
+}
+
+}  // namespace regulus::scene

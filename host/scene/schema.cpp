@@ -1,0 +1,295 @@
+#include "scene/schema.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+
+#include "scene/files.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using nlohmann::json;
+
+constexpr int MAX_NESTING = 128;
+constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
+constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
+
+constexpr std::array<std::string_view, 7> KNOWN_EXTENSIONS = {
+    "KHR_lights_punctual",    "KHR_materials_emissive_strength", "KHR_materials_ior",
+    "KHR_materials_specular", "KHR_materials_transmission",      "KHR_materials_volume",
+    "KHR_mesh_quantization"};
+
+enum class Kind {
+  Index,       // non-negative integer below the length of the array `target`
+  IndexArray,  // array of Index
+  IndexMap,    // object whose members are Index
+  Integer,     // 0 .. 2^31 - 1
+  Size,        // 0 .. 2^53
+  Number,
+  Vector,  // `length` numbers
+  Boolean,
+  String,
+  Object,
+  ObjectArray
+};
+
+struct Rule {
+  Kind kind;
+  std::string_view target = {};
+  size_t length = 0;
+};
+
+const std::map<std::string_view, Rule>& rules() {
+  static const std::map<std::string_view, Rule> table = {
+      {"bufferView", {Kind::Index, "bufferViews"}},
+      {"buffer", {Kind::Index, "buffers"}},
+      {"indices", {Kind::Index, "accessors"}},
+      {"material", {Kind::Index, "materials"}},
+      {"mesh", {Kind::Index, "meshes"}},
+      {"camera", {Kind::Index, "cameras"}},
+      {"source", {Kind::Index, "images"}},
+      {"sampler", {Kind::Index, "samplers"}},
+      {"index", {Kind::Index, "textures"}},
+      {"scene", {Kind::Index, "scenes"}},
+      {"light", {Kind::Index, "lights"}},
+      {"children", {Kind::IndexArray, "nodes"}},
+      {"nodes", {Kind::IndexArray, "nodes"}},
+      {"attributes", {Kind::IndexMap, "accessors"}},
+      {"mode", {Kind::Integer}},
+      {"componentType", {Kind::Integer}},
+      {"texCoord", {Kind::Integer}},
+      {"magFilter", {Kind::Integer}},
+      {"minFilter", {Kind::Integer}},
+      {"wrapS", {Kind::Integer}},
+      {"wrapT", {Kind::Integer}},
+      {"byteOffset", {Kind::Size}},
+      {"byteLength", {Kind::Size}},
+      {"byteStride", {Kind::Size}},
+      {"count", {Kind::Size}},
+      {"metallicFactor", {Kind::Number}},
+      {"roughnessFactor", {Kind::Number}},
+      {"emissiveStrength", {Kind::Number}},
+      {"ior", {Kind::Number}},
+      {"transmissionFactor", {Kind::Number}},
+      {"thicknessFactor", {Kind::Number}},
+      {"attenuationDistance", {Kind::Number}},
+      {"specularFactor", {Kind::Number}},
+      {"alphaCutoff", {Kind::Number}},
+      {"intensity", {Kind::Number}},
+      {"range", {Kind::Number}},
+      {"innerConeAngle", {Kind::Number}},
+      {"outerConeAngle", {Kind::Number}},
+      {"yfov", {Kind::Number}},
+      {"aspectRatio", {Kind::Number}},
+      {"xmag", {Kind::Number}},
+      {"ymag", {Kind::Number}},
+      {"znear", {Kind::Number}},
+      {"zfar", {Kind::Number}},
+      {"translation", {Kind::Vector, {}, 3}},
+      {"scale", {Kind::Vector, {}, 3}},
+      {"rotation", {Kind::Vector, {}, 4}},
+      {"matrix", {Kind::Vector, {}, 16}},
+      {"baseColorFactor", {Kind::Vector, {}, 4}},
+      {"emissiveFactor", {Kind::Vector, {}, 3}},
+      {"color", {Kind::Vector, {}, 3}},
+      {"attenuationColor", {Kind::Vector, {}, 3}},
+      {"specularColorFactor", {Kind::Vector, {}, 3}},
+      {"doubleSided", {Kind::Boolean}},
+      {"normalized", {Kind::Boolean}},
+      {"type", {Kind::String}},
+      {"name", {Kind::String}},
+      {"uri", {Kind::String}},
+      {"alphaMode", {Kind::String}},
+      {"version", {Kind::String}},
+      {"asset", {Kind::Object}},
+      {"extensions", {Kind::Object}},
+      {"sparse", {Kind::Object}},
+      {"values", {Kind::Object}},
+      {"pbrMetallicRoughness", {Kind::Object}},
+      {"baseColorTexture", {Kind::Object}},
+      {"metallicRoughnessTexture", {Kind::Object}},
+      {"emissiveTexture", {Kind::Object}},
+      {"transmissionTexture", {Kind::Object}},
+      {"perspective", {Kind::Object}},
+      {"orthographic", {Kind::Object}},
+      {"spot", {Kind::Object}},
+      {"accessors", {Kind::ObjectArray}},
+      {"buffers", {Kind::ObjectArray}},
+      {"bufferViews", {Kind::ObjectArray}},
+      {"cameras", {Kind::ObjectArray}},
+      {"images", {Kind::ObjectArray}},
+      {"lights", {Kind::ObjectArray}},
+      {"materials", {Kind::ObjectArray}},
+      {"meshes", {Kind::ObjectArray}},
+      {"primitives", {Kind::ObjectArray}},
+      {"samplers", {Kind::ObjectArray}},
+      {"scenes", {Kind::ObjectArray}},
+      {"textures", {Kind::ObjectArray}},
+  };
+  return table;
+}
+
+// Parts of a document that are never read: removed, so that neither we nor tinygltf look at them.
+constexpr std::array<std::string_view, 8> IGNORED_MEMBERS = {
+    "extras", "animations", "skins", "skin", "targets", "weights", "normalTexture", "occlusionTexture"};
+
+class Checker {
+ public:
+  Checker(const json& document, const std::filesystem::path& file) : file_(file) {
+    for (const char* array : {"accessors", "buffers", "bufferViews", "cameras", "images", "materials",
+                              "meshes", "nodes", "samplers", "scenes", "textures"})
+      lengths_[array] = array_length(document, array);
+    lengths_["lights"] = 0;
+    const auto extensions = document.find("extensions");
+    if (extensions != document.end() && extensions->is_object()) {
+      const auto punctual = extensions->find("KHR_lights_punctual");
+      if (punctual != extensions->end()) lengths_["lights"] = array_length(*punctual, "lights");
+    }
+  }
+
+  void check_object(json& object, const std::string& path) {
+    for (const std::string_view name : IGNORED_MEMBERS) object.erase(std::string(name));
+    for (auto member = object.begin(); member != object.end(); ++member) {
+      const auto rule = rules().find(member.key());
+      if (rule != rules().end()) {
+        const std::string member_path = path.empty() ? member.key() : path + "/" + member.key();
+        check_member(member.value(), member.key(), rule->second, member_path);
+      }
+    }
+  }
+
+ private:
+  static size_t array_length(const json& object, const char* name) {
+    const auto array = object.find(name);
+    return array != object.end() && array->is_array() ? array->size() : 0;
+  }
+
+  [[noreturn]] void refuse(const std::string& path, const std::string& wanted) const {
+    fail(file_, fmt::format("{} must be {}; export the file again", path, wanted));
+  }
+
+  void check_member(json& value, const std::string& key, const Rule& rule, const std::string& path) {
+    switch (rule.kind) {
+      case Kind::Index:
+        // A sparse accessor's `indices` is an object.
+        if (key == "indices" && value.is_object()) return check_object(value, path);
+        return check_index(value, rule.target, path);
+      case Kind::IndexArray:
+        if (key == "nodes" && path == "nodes") return check_objects(value, path);
+        if (!value.is_array()) refuse(path, "an array of indices");
+        for (size_t i = 0; i < value.size(); ++i)
+          check_index(value[i], rule.target, fmt::format("{}/{}", path, i));
+        return;
+      case Kind::IndexMap:
+        if (!value.is_object()) refuse(path, "an object");
+        for (auto& [name, index] : value.items()) check_index(index, rule.target, path + "/" + name);
+        return;
+      case Kind::Integer:
+        return check_integer(value, MAX_INT, path);
+      case Kind::Size:
+        // tinygltf holds the sizes of sparse accessors in 32 bits.
+        return check_integer(value, path.find("/sparse/") == std::string::npos ? MAX_SIZE : MAX_INT, path);
+      case Kind::Number:
+        if (!value.is_number()) refuse(path, "a number");
+        return;
+      case Kind::Vector:
+        if (!value.is_array() || value.size() != rule.length ||
+            !std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); }))
+          refuse(path, fmt::format("an array of {} numbers", rule.length));
+        return;
+      case Kind::Boolean:
+        if (!value.is_boolean()) refuse(path, "true or false");
+        return;
+      case Kind::String:
+        if (!value.is_string()) refuse(path, "a string");
+        return;
+      case Kind::Object:
+        if (!value.is_object()) refuse(path, "an object");
+        return key == "extensions" ? check_extensions(value, path) : check_object(value, path);
+      case Kind::ObjectArray:
+        return check_objects(value, path);
+    }
+  }
+
+  void check_objects(json& array, const std::string& path) {
+    if (!array.is_array()) refuse(path, "an array");
+    for (size_t i = 0; i < array.size(); ++i) {
+      const std::string element = fmt::format("{}/{}", path, i);
+      if (!array[i].is_object()) refuse(element, "an object");
+      check_object(array[i], element);
+    }
+  }
+
+  void check_extensions(json& extensions, const std::string& path) {
+    for (auto member = extensions.begin(); member != extensions.end();) {
+      if (!is_known_extension(member.key())) {
+        member = extensions.erase(member);
+        continue;
+      }
+      const std::string extension_path = path + "/" + member.key();
+      if (!member.value().is_object()) refuse(extension_path, "an object");
+      check_object(member.value(), extension_path);
+      ++member;
+    }
+  }
+
+  void check_integer(json& value, double maximum, const std::string& path) const {
+    const double number = value.is_number() ? value.get<double>() : -1;
+    if (!(number >= 0 && number <= maximum && number == std::floor(number)))
+      refuse(path, fmt::format("an integer from 0 to {:.0f}", maximum));
+    value = static_cast<uint64_t>(number);
+  }
+
+  void check_index(json& value, std::string_view target, const std::string& path) const {
+    check_integer(value, MAX_INT, path);
+    const size_t length = lengths_.at(target);
+    if (value.get<uint64_t>() >= length)
+      fail(file_, fmt::format("{} is {}, but there are {} {}; export the file again", path,
+                              value.get<uint64_t>(), length, target));
+  }
+
+  const std::filesystem::path& file_;
+  std::map<std::string_view, size_t> lengths_;
+};
+
+}  // namespace
+
+bool is_known_extension(std::string_view name) {
+  return std::find(KNOWN_EXTENSIONS.begin(), KNOWN_EXTENSIONS.end(), name) != KNOWN_EXTENSIONS.end();
+}
+
+void check_nesting(std::string_view text, const std::filesystem::path& file) {
+  int depth = 0;
+  bool in_string = false;
+  for (size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\')
+        ++i;
+      else if (c == '"')
+        in_string = false;
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > MAX_NESTING)
+        fail(file, fmt::format("JSON nests deeper than {} levels at byte {}; not a usable glTF file",
+                               MAX_NESTING, i));
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+}
+
+void check_and_reduce(nlohmann::json& document, const std::filesystem::path& file) {
+  Checker(document, file).check_object(document, "");
+}
+
+}  // namespace regulus::scene

@@ -1,0 +1,24 @@
+// What the loader relies on in a glTF document, checked before anything else looks at it: types of the
+// members we read, ranges of indices, lengths of vectors. Later code may then index without checks.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+namespace regulus::scene {
+
+/// Throws Error(BadFile) if brackets nest deeper than any glTF needs: recursive readers would overflow the
+/// stack.
+void check_nesting(std::string_view text, const std::filesystem::path& file);
+
+/// Removes `extras` and extensions that are not read, then checks the types, index ranges and lengths of all
+/// members that are. Integers written as 1.0 become integers.
+/// @throws Error(BadFile) that names the member by its JSON path, e.g. meshes/3/primitives/0/indices.
+void check_and_reduce(nlohmann::json& document, const std::filesystem::path& file);
+
+/// Whether the loader reads the extension.
+bool is_known_extension(std::string_view name);
+
+}  // namespace regulus::scene

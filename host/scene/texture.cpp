@@ -1,0 +1,178 @@
+#include "scene/texture.hpp"
+
+#include <fmt/core.h>
+#include <stb_image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <memory>
+#include <vector>
+
+namespace regulus::scene {
+namespace {
+
+constexpr int MAX_SIDE = 32768;
+constexpr uint64_t MAX_TEXELS = uint64_t{1} << 28;           // of one image
+constexpr uint64_t MAX_TEXELS_OF_SCENE = uint64_t{1} << 31;  // the kernels' word index is 32 bits
+// No deflate stream or JPEG scan expands beyond this many pixels per byte: header lies are found before
+// memory is taken. (Deflate: 1032 bytes per byte, at least 1 bit per pixel; JPEG: 64 pixels of a block in
+// some bits.)
+constexpr uint64_t MAX_PIXELS_PER_BYTE = 1032 * 8;
+
+using StbImage = std::unique_ptr<void, decltype(&stbi_image_free)>;
+
+bool is_png(const Bytes& bytes) {
+  constexpr unsigned char magic[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  return bytes.size() > 8 && std::memcmp(bytes.data(), magic, 8) == 0;
+}
+
+bool is_jpeg(const Bytes& bytes) {
+  return bytes.size() > 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+/// IEC 61966-2-1 decoding.
+double srgb_to_linear(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+/// Halfs of all code values of one channel.
+std::vector<uint16_t> decoding_table(uint32_t maximum, bool is_srgb) {
+  std::vector<uint16_t> table(maximum + 1);
+  for (uint32_t code = 0; code <= maximum; ++code) {
+    const double value = static_cast<double>(code) / maximum;
+    table[code] = glm::packHalf1x16(static_cast<float>(is_srgb ? srgb_to_linear(value) : value));
+  }
+  return table;
+}
+
+/// Appends RGBA codes as texels. Alpha is always linear.
+template <typename Code>
+void append_texels(const Code* codes, uint64_t count, TextureContent content, std::vector<uint32_t>& texels) {
+  const uint32_t maximum = static_cast<Code>(~Code{0});
+  const std::vector<uint16_t> linear = decoding_table(maximum, false);
+  const std::vector<uint16_t> color = decoding_table(maximum, content == TextureContent::Color);
+  texels.reserve(texels.size() + 2 * count);
+  for (uint64_t i = 0; i < count; ++i) {
+    const Code* rgba = codes + 4 * i;
+    texels.push_back(color[rgba[0]] | static_cast<uint32_t>(color[rgba[1]]) << 16);
+    texels.push_back(color[rgba[2]] | static_cast<uint32_t>(linear[rgba[3]]) << 16);
+  }
+}
+
+uint32_t wrap_flag(int gltf_mode) {
+  if (gltf_mode == TINYGLTF_TEXTURE_WRAP_CLAMP_TO_EDGE) return interface::TEXTURE_WRAP_CLAMP;
+  if (gltf_mode == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT) return interface::TEXTURE_WRAP_MIRROR;
+  return interface::TEXTURE_WRAP_REPEAT;
+}
+
+uint32_t sampler_flags(const Document& document, int sampler) {
+  if (sampler < 0) return interface::TEXTURE_WRAP_REPEAT;
+  const tinygltf::Sampler& source = document.model.samplers[static_cast<size_t>(sampler)];
+  return wrap_flag(source.wrapS) | wrap_flag(source.wrapT) << interface::TEXTURE_WRAP_T_SHIFT |
+         (source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST ? interface::TEXTURE_NEAREST : 0u);
+}
+
+int64_t wrap(int64_t i, int64_t size, uint32_t mode) {
+  if (mode == interface::TEXTURE_WRAP_CLAMP) return std::clamp<int64_t>(i, 0, size - 1);
+  const int64_t period = mode == interface::TEXTURE_WRAP_MIRROR ? 2 * size : size;
+  const int64_t rest = ((i % period) + period) % period;
+  return rest < size ? rest : period - 1 - rest;
+}
+
+}  // namespace
+
+uint32_t TextureLoader::load(int texture, TextureContent content) {
+  const auto [entry, is_new] = textures_.try_emplace({texture, content}, 0u);
+  if (!is_new) return entry->second;
+  const tinygltf::Texture& source = document_.model.textures[static_cast<size_t>(texture)];
+  const std::string element = element_name("texture", static_cast<size_t>(texture), source.name);
+  if (source.source < 0) document_.fail(element + " has no PNG or JPEG image; convert its image");
+  interface::Texture loaded = load_image(static_cast<size_t>(source.source), content, element);
+  loaded.flags = sampler_flags(document_, source.sampler);
+  entry->second = static_cast<uint32_t>(scene_.textures.size());
+  scene_.textures.push_back(loaded);
+  return entry->second;
+}
+
+interface::Texture TextureLoader::load_image(size_t image, TextureContent content,
+                                             const std::string& texture) {
+  const auto known = decoded_.find({image, content});
+  if (known != decoded_.end()) return known->second;
+
+  const std::string element = fmt::format("{} image {}", texture, image);
+  const Bytes bytes = image_bytes(image, element);
+  if (!is_png(bytes) && !is_jpeg(bytes)) document_.fail(element + " is neither PNG nor JPEG; convert it");
+  int width = 0, height = 0, channels = 0;
+  const int size = static_cast<int>(bytes.size());
+  if (bytes.size() > 0x7FFFFFFFu ||
+      stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
+    document_.fail(element + " has no readable header; export it again");
+  const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
+  if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS)
+    document_.fail(fmt::format("{} has {} x {} pixels, the limit is {} a side and {} in all; scale it down",
+                               element, width, height, MAX_SIDE, MAX_TEXELS));
+  if (texels > MAX_PIXELS_PER_BYTE * bytes.size())
+    document_.fail(fmt::format("{} declares {} x {} pixels in {} bytes, which cannot be; export it again",
+                               element, width, height, bytes.size()));
+  const uint64_t first_texel = scene_.texels.size() / 2;
+  if (first_texel + texels >= MAX_TEXELS_OF_SCENE)
+    document_.fail("more than 2^31 texels in all; scale textures down");
+
+  const bool is_16_bit = stbi_is_16_bit_from_memory(bytes.data(), size) != 0;
+  const StbImage pixels(
+      is_16_bit
+          ? static_cast<void*>(stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 4))
+          : static_cast<void*>(stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4)),
+      &stbi_image_free);
+  if (!pixels)
+    document_.fail(fmt::format("{} cannot be decoded ({}); export it again", element, stbi_failure_reason()));
+  if (is_16_bit)
+    append_texels(static_cast<const uint16_t*>(pixels.get()), texels, content, scene_.texels);
+  else
+    append_texels(static_cast<const uint8_t*>(pixels.get()), texels, content, scene_.texels);
+
+  const interface::Texture loaded {
+    static_cast<uint32_t>(first_texel), static_cast<uint32_t>(width), static_cast<uint32_t>(height), 0u
+  };
+  decoded_[{image, content}] = loaded;
+  return loaded;
+}
+
+Bytes TextureLoader::image_bytes(size_t image, const std::string& element) {
+  const nlohmann::json& source = document_.images[image];
+  if (source.contains("uri")) return document_.files.read_uri(source["uri"].get<std::string>(), element);
+  if (!source.contains("bufferView"))
+    document_.fail(element + " has neither uri nor bufferView; export the file again");
+  const auto view = document_.view(source["bufferView"].get<int>(), element);
+  return Bytes(view.begin(), view.end());
+}
+
+glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x, int64_t y) {
+  const uint32_t wrap_s = texture.flags & 3u;
+  const uint32_t wrap_t = (texture.flags >> interface::TEXTURE_WRAP_T_SHIFT) & 3u;
+  const uint64_t column = static_cast<uint64_t>(wrap(x, texture.width, wrap_s));
+  const uint64_t row = static_cast<uint64_t>(wrap(y, texture.height, wrap_t));
+  const size_t word = 2 * (texture.first_texel + row * texture.width + column);
+  return {glm::unpackHalf2x16(scene.texels[word]), glm::unpackHalf2x16(scene.texels[word + 1])};
+}
+
+glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture, const glm::vec2& uv) {
+  // Coordinates beyond this have no fraction left in single precision.
+  const glm::dvec2 bounded = glm::clamp(glm::dvec2(uv), -1e7, 1e7);
+  const glm::dvec2 position = bounded * glm::dvec2(texture.width, texture.height);
+  if ((texture.flags & interface::TEXTURE_NEAREST) != 0)
+    return texel(scene, texture, static_cast<int64_t>(std::floor(position.x)),
+                 static_cast<int64_t>(std::floor(position.y)));
+  const glm::dvec2 corner = glm::floor(position - 0.5);
+  const glm::vec2 weight(position - 0.5 - corner);
+  const int64_t x = static_cast<int64_t>(corner.x);
+  const int64_t y = static_cast<int64_t>(corner.y);
+  const glm::vec4 top = glm::mix(texel(scene, texture, x, y), texel(scene, texture, x + 1, y), weight.x);
+  const glm::vec4 bottom =
+      glm::mix(texel(scene, texture, x, y + 1), texel(scene, texture, x + 1, y + 1), weight.x);
+  return glm::mix(top, bottom, weight.y);
+}
+
+}  // namespace regulus::scene
