@@ -1,0 +1,384 @@
+// The material model: Lambert under a dielectric interface, microfacet reflection (dielectric and metal),
+// rough refraction (MATERIAL_VOLUME) or thin-walled transmission, and their smooth limits as delta events.
+//
+// Local shading frame: z is the shading normal on the side of wo, so wo.z > 0 (otherwise everything is zero).
+// wo points towards the walk's previous vertex, wi away along its next direction; both are unit.
+// eta = n_transmitted / n_incident as seen from wo.
+//
+//   F_r = m F_metal + (1 - m) F_d              Schlick; exact dielectric, remapped by KHR_materials_specular
+//   reflection    F_r(wo.h) D G2 / (4 cos_o cos_i)                                     Torrance and Sparrow
+//   refraction    (1-m) t base (1 - F_d) D G2 |wo.h| |wi.h| eta^2 / (cos_o cos_i (wo.h + eta wi.h)^2)
+//                 Walter et al. 2007, eq. 21; a radiance walk divides by eta^2
+//   thin-walled   the reflection lobe mirrored at the surface, with (1-m) t base (1 - F_d)
+//   diffuse       (1-m)(1-t) base / pi (1 - F_d(cos_o)) (1 - F_d(cos_i)) / (1 - F_d,avg)
+//
+// A walk chooses the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
+// normal, then reflection or transmission by the Fresnel weights there.
+#ifndef REGULUS_LIB_BSDF_GLSL
+#define REGULUS_LIB_BSDF_GLSL
+
+#include "lib/fresnel.glsl"
+#include "lib/microfacet.glsl"
+
+// What is transported along the walk: it decides about the eta^2 of refraction.
+const uint TRANSPORT_RADIANCE = 0u;    // walks from the camera
+const uint TRANSPORT_IMPORTANCE = 1u;  // walks from lights
+
+const uint BSDF_SAMPLE_VALID = 1u;
+const uint BSDF_SAMPLE_DELTA = 2u;
+const uint BSDF_SAMPLE_TRANSMITTED = 4u;
+
+// What this pipeline can meet.
+const bool bsdf_has_specular = spec_material_class != MATERIAL_CLASS_DIFFUSE;
+const bool bsdf_has_transmission = spec_material_class == MATERIAL_CLASS_TRANSMISSIVE;
+const bool bsdf_has_rough = bsdf_has_specular && (spec_features & FEATURE_ROUGH_SPECULAR) != 0u;
+const bool bsdf_has_delta = bsdf_has_specular && (spec_features & FEATURE_DELTA_SPECULAR) != 0u;
+
+// Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
+const float MIN_ALPHA = 1e-7;
+// Common factor of a microfacet lobe's value and pdfs is kept below this: the quotient stays exact.
+const float MAX_DENSITY = 1e23;
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);  // Rec. 709
+
+// A material at a point, seen from one side.
+struct Bsdf {
+  vec3 diffuse;          // (1-m)(1-t) base / (1 - F_d,avg)
+  vec3 metal;            // m base
+  float metallic;        // m
+  vec3 f0;               // F_d at normal incidence
+  float f90;             // F_d at grazing
+  vec3 transmission;     // (1-m) t base
+  vec2 alpha;            // 0: delta
+  float excess;          // eta^2 - 1
+  float inverse_eta_squared;
+  float inverse_eta;
+  float f0_exact;        // exact reflectance at normal incidence
+  float inverse_t0;      // 1 / (1 - f0_exact)
+  float min_position;    // lowest position that keeps F_d >= 0 (see fresnel_position)
+  // Luminances as linear functions of position s and Schlick weight k: diffuse d.x - s d.y,
+  // reflected r.x + k r.y + s r.z, transmitted t.x - s t.y.
+  vec2 diffuse_luminance;
+  vec3 reflected_luminance;
+  vec2 transmitted_luminance;
+  bool is_thin;
+};
+
+// Non-delta lobes at a pair of directions. Densities per solid angle.
+struct BsdfEval {
+  vec3 value;         // 1/sr, without a cosine
+  float pdf_forward;  // of wi given wo
+  float pdf_reverse;  // of wo given wi
+};
+
+struct BsdfSample {
+  vec3 wi;
+  vec3 weight;        // value |cos_i| / pdf; of a delta event its factor over its probability
+  float pdf_forward;  // of wi given wo; of a delta event its discrete probability
+  float pdf_reverse;
+  uint flags;         // BSDF_SAMPLE_*; weight and pdfs are 0 unless valid
+  float eta_scale;    // weight * eta_scale is free of refraction's 1 / eta^2
+};
+
+// Position s of the exact reflectance between F_0 (0) and 1 (1); F_d = f0 + s (f90 - f0).
+float fresnel_position(Bsdf bsdf, float c, float g, float excess) {
+  float s = (fresnel_dielectric(max(c, MIN_COS), g, excess) - bsdf.f0_exact) * bsdf.inverse_t0;
+  return clamp(s, bsdf.min_position, 1.0);
+}
+
+vec3 dielectric_reflectance(Bsdf bsdf, float s) { return bsdf.f0 + s * (bsdf.f90 - bsdf.f0); }
+
+// F_r for position s and Schlick weight k.
+vec3 interface_reflectance(Bsdf bsdf, float s, float k) {
+  return bsdf.metal + k * (bsdf.metallic - bsdf.metal) + (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, s);
+}
+
+float reflected_luminance(Bsdf bsdf, float s, float k) {
+  return max(dot(bsdf.reflected_luminance, vec3(1.0, k, s)), 0.0);
+}
+
+float transmitted_luminance(Bsdf bsdf, float s) {
+  if (!bsdf_has_transmission) return 0.0;
+  return max(bsdf.transmitted_luminance.x - s * bsdf.transmitted_luminance.y, 0.0);
+}
+
+// Probability of sampling the diffuse lobe from a direction with cosine c and Fresnel position s.
+float diffuse_probability(Bsdf bsdf, float c, float s) {
+  if (!bsdf_has_specular) return 1.0;
+  float diffuse = max(bsdf.diffuse_luminance.x - s * bsdf.diffuse_luminance.y, 0.0);
+  float specular = reflected_luminance(bsdf, s, schlick_weight(c)) + transmitted_luminance(bsdf, s);
+  return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
+}
+
+// Probability of reflection at a facet: c is the cosine with the facet normal of the side it is seen from.
+float reflection_probability(Bsdf bsdf, float s, float c) {
+  if (!bsdf_has_transmission) return 1.0;
+  float reflected = reflected_luminance(bsdf, s, schlick_weight(c));
+  float transmitted = transmitted_luminance(bsdf, s);
+  return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
+}
+
+// The bsdf of a material whose textures have been applied, seen from its front or back face.
+Bsdf make_bsdf(Material material, bool is_front) {
+  Bsdf bsdf;
+  vec3 dielectric = (1.0 - material.metallic) * material.base_color;
+  if (!bsdf_has_specular) {
+    bsdf.diffuse = dielectric;
+    bsdf.alpha = vec2(0.0);
+    return bsdf;
+  }
+  float transmission = bsdf_has_transmission ? material.transmission : 0.0;
+  bsdf.metallic = material.metallic;
+  bsdf.metal = material.metallic * material.base_color;
+  bsdf.transmission = transmission * dielectric;
+  bsdf.is_thin = (material.flags & MATERIAL_VOLUME) == 0u;
+
+  float alpha = material.roughness * material.roughness;
+  bsdf.alpha = vec2(material.roughness > 0.0 ? max(alpha, MIN_ALPHA) : 0.0);
+
+  // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
+  float ior = material.ior;
+  float excess = (ior - 1.0) * (ior + 1.0);
+  bool is_inside = bsdf_has_transmission && transmission > 0.0 && !bsdf.is_thin && !is_front;
+  bsdf.excess = is_inside ? -excess / (ior * ior) : excess;
+  bsdf.inverse_eta = is_inside ? ior : 1.0 / ior;
+  bsdf.inverse_eta_squared = square(bsdf.inverse_eta);
+
+  float x = (ior - 1.0) / (ior + 1.0);
+  bsdf.f0_exact = x * x;
+  bsdf.inverse_t0 = square(ior + 1.0) / (4.0 * ior);
+  bsdf.f0 = min(bsdf.f0_exact * material.specular_color, vec3(1.0)) * material.specular;
+  bsdf.f90 = material.specular;
+  vec3 range = bsdf.f90 - bsdf.f0;
+  float darkest = min(bsdf.f0.r, min(bsdf.f0.g, bsdf.f0.b));
+  bsdf.min_position = -darkest / max(bsdf.f90 - darkest, 1e-6);
+
+  vec3 albedo = (1.0 - transmission) * dielectric;
+  vec3 mean = bsdf.f0 + fresnel_mean_position(x) * range;
+  bsdf.diffuse = albedo / max(1.0 - mean, 1e-6);
+
+  float dielectric_share = 1.0 - bsdf.metallic;
+  bsdf.diffuse_luminance = vec2(dot(albedo * (1.0 - bsdf.f0), LUMINANCE), dot(albedo * range, LUMINANCE));
+  bsdf.reflected_luminance = vec3(dot(bsdf.metal + dielectric_share * bsdf.f0, LUMINANCE),
+                                  bsdf.metallic - dot(bsdf.metal, LUMINANCE),
+                                  dielectric_share * dot(range, LUMINANCE));
+  bsdf.transmitted_luminance =
+      vec2(dot(bsdf.transmission * (1.0 - bsdf.f0), LUMINANCE), dot(bsdf.transmission * range, LUMINANCE));
+  return bsdf;
+}
+
+// Where wo and wi meet the microsurface.
+struct Encounter {
+  vec3 h;               // unit, h.z > 0
+  float o_dot_h;        // absolute cosines with h
+  float i_dot_h;
+  bool is_transmitted;  // wi is below the surface
+  bool is_refracted;    // and was bent (not thin-walled)
+  bool is_valid;        // false: no facet turns wo into wi
+};
+
+// All non-delta lobes at (wo, wi) that meet at a facet, with microfacet roughness alpha (which may differ from
+// the bsdf's own). The one place where values and pdfs come from.
+BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet, uint transport) {
+  BsdfEval eval = BsdfEval(vec3(0.0), 0.0, 0.0);
+  float cos_o = wo.z;
+  float cos_i = abs(wi.z);
+  float same_side = facet.is_transmitted ? 0.0 : INV_PI;
+  if (!bsdf_has_specular) {
+    eval.value = bsdf.diffuse * same_side;
+    eval.pdf_forward = cos_i * same_side;
+    eval.pdf_reverse = cos_o * same_side;
+    return eval;
+  }
+  // The reverse walk of a refraction starts on the other side of the interface.
+  float excess_i = facet.is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
+  float s_o = fresnel_position(bsdf, cos_o, refracted_g(cos_o, bsdf.excess), bsdf.excess);
+  float s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
+  float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
+  float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
+  eval.value = bsdf.diffuse * (1.0 - dielectric_reflectance(bsdf, s_o)) *
+               (1.0 - dielectric_reflectance(bsdf, s_i)) * same_side;
+  eval.pdf_forward = diffuse_o * cos_i * same_side;
+  eval.pdf_reverse = diffuse_i * cos_o * same_side;
+  if (!bsdf_has_rough) return eval;
+
+  vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, cos_i);
+  vec2 evaluated_alpha = max(alpha, vec2(MIN_ALPHA));
+  MicrofacetTerms terms =
+      microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h, evaluated_alpha, facet.is_refracted);
+
+  // A refracted pair knows its own g = eta |wi.h|, which stays accurate where sqrt(c^2 + excess) does not.
+  float g = facet.is_refracted ? facet.i_dot_h / bsdf.inverse_eta : refracted_g(facet.o_dot_h, bsdf.excess);
+  float s = fresnel_position(bsdf, facet.o_dot_h, g, bsdf.excess);
+  float k = schlick_weight(facet.o_dot_h);
+  float reflect_o = reflection_probability(bsdf, s, facet.o_dot_h);
+  float reflect_i = reflection_probability(bsdf, s, facet.i_dot_h);
+
+  // D times the half-vector Jacobian over the |cos_h| of the visible normals, forward and (times
+  // reverse_scale) reverse. |wo.h + eta wi.h| = |g - c| = |excess| / (c + g).
+  float scale = 0.25;
+  float reverse_scale = 1.0;
+  float value_scale = 1.0;
+  if (bsdf_has_transmission && facet.is_refracted) {
+    float difference = bsdf.excess / (facet.o_dot_h + g);
+    scale = facet.o_dot_h * g / (bsdf.inverse_eta * max(square(difference), 1e-16));
+    reverse_scale = bsdf.inverse_eta_squared;
+    value_scale = transport == TRANSPORT_RADIANCE ? bsdf.inverse_eta_squared : 1.0;
+  }
+  bool is_rough = facet.is_valid && alpha.x > 0.0;
+  float density = is_rough ? min(terms.density * scale, MAX_DENSITY) : 0.0;
+  vec3 weight = interface_reflectance(bsdf, s, k);
+  if (bsdf_has_transmission && facet.is_transmitted) {
+    weight = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, s));
+    reflect_o = 1.0 - reflect_o;
+    reflect_i = 1.0 - reflect_i;
+  }
+  eval.value += weight * (density * terms.shadowing * value_scale);
+  eval.pdf_forward += (1.0 - diffuse_o) * reflect_o * density * terms.visibility_o;
+  eval.pdf_reverse += (1.0 - diffuse_i) * reflect_i * density * terms.visibility_i * reverse_scale;
+  return eval;
+}
+
+// The facet that reflects wo into wi (on the same side, wi.z > 0). |wo + wi| = 2 wo.h.
+Encounter reflection_encounter(vec3 wo, vec3 wi) {
+  vec3 sum = wo + wi;
+  float sum_length = sqrt(max(dot(sum, sum), 1e-30));
+  Encounter facet;
+  facet.h = sum / sum_length;
+  facet.o_dot_h = 0.5 * sum_length;
+  facet.i_dot_h = facet.o_dot_h;
+  facet.is_transmitted = false;
+  facet.is_refracted = false;
+  facet.is_valid = true;
+  return facet;
+}
+
+// The facet that joins any two directions.
+Encounter encounter(Bsdf bsdf, vec3 wo, vec3 wi) {
+  Encounter facet = reflection_encounter(wo, vec3(wi.xy, abs(wi.z)));
+  if (!bsdf_has_transmission) {
+    facet.is_transmitted = wi.z <= 0.0;
+    facet.is_valid = wi.z > 0.0;
+    return facet;
+  }
+  if (wi.z > 0.0) return facet;
+  facet.is_transmitted = true;
+  if (bsdf.is_thin) return facet;
+  facet.is_refracted = true;
+  vec3 sum = wo * bsdf.inverse_eta + wi;  // along -+ h
+  sum = sum.z < 0.0 ? -sum : sum;
+  facet.h = sum * inversesqrt(max(dot(sum, sum), 1e-30));
+  float o_dot_h = dot(wo, facet.h);
+  float i_dot_h = dot(wi, facet.h);
+  facet.is_valid = o_dot_h > 0.0 && i_dot_h < 0.0 && facet.h.z > 0.0;
+  facet.o_dot_h = abs(o_dot_h);
+  facet.i_dot_h = abs(i_dot_h);
+  return facet;
+}
+
+// Value and pdfs of the non-delta lobes; zero where wo or wi lies in the surface.
+BsdfEval bsdf_evaluate(Bsdf bsdf, vec3 wo, vec3 wi, uint transport) {
+  BsdfEval eval = evaluate_lobes(bsdf, bsdf.alpha, wo, wi, encounter(bsdf, wo, wi), transport);
+  if (!(wo.z > 0.0) || wi.z == 0.0) return BsdfEval(vec3(0.0), 0.0, 0.0);
+  return eval;
+}
+
+// A direction chosen at a microfacet (or, if alpha is 0, at the surface itself).
+struct FacetEvent {
+  vec3 wi;
+  Encounter facet;
+  float position;      // Fresnel position at the facet
+  float probability;   // of this choice between reflection and transmission
+};
+
+FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
+  Facet visible = Facet(vec3(0.0, 0.0, 1.0), wo.z);
+  if (bsdf_has_rough) {
+    Facet rough = sample_visible_normal(wo, max(bsdf.alpha, vec2(MIN_ALPHA)), u, u_choice);
+    if (!bsdf_has_delta || bsdf.alpha.x > 0.0) visible = rough;
+  }
+  FacetEvent event;
+  float c = visible.w_dot_h;
+  float g = refracted_g(c, bsdf.excess);
+  event.position = fresnel_position(bsdf, c, g, bsdf.excess);
+  event.probability = reflection_probability(bsdf, event.position, c);
+  bool is_transmitted = bsdf_has_transmission && u_choice >= event.probability;
+  bool is_refracted = is_transmitted && !bsdf.is_thin;
+  event.wi = 2.0 * c * visible.h - wo;
+  bool is_valid = c > 0.0 && event.wi.z > 0.0;
+  if (bsdf_has_transmission && is_transmitted) {
+    event.probability = 1.0 - event.probability;
+    event.wi.z = -event.wi.z;
+  }
+  float i_dot_h = c;
+  if (bsdf_has_transmission && is_refracted) {
+    // (c / eta - cos_t) h - wo / eta with c - g = -excess / (c + g)
+    event.wi = -bsdf.inverse_eta * (wo + (bsdf.excess / max(c + g, MIN_COS)) * visible.h);
+    i_dot_h = g * bsdf.inverse_eta;
+    is_valid = c > 0.0 && g > 0.0 && event.wi.z < 0.0;
+  }
+  event.facet = Encounter(visible.h, max(c, MIN_COS), i_dot_h, is_transmitted, is_refracted, is_valid);
+  return event;
+}
+
+// Factor and discrete probabilities of a delta event (alpha = 0, h = z).
+BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, uint transport) {
+  float cos_i = abs(event.wi.z);
+  bool is_refracted = bsdf_has_transmission && event.facet.is_refracted;
+  float excess_i = is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
+  float s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
+  float reflect_i = reflection_probability(bsdf, event.position, cos_i);
+  BsdfEval eval;
+  eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
+  if (bsdf_has_transmission && event.facet.is_transmitted) {
+    eval.value = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, event.position));
+    if (is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
+    reflect_i = 1.0 - reflect_i;
+  }
+  eval.pdf_forward = (1.0 - diffuse_o) * event.probability;
+  eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, s_i)) * reflect_i;
+  return eval;
+}
+
+const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0u, 1.0);
+
+// Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
+BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
+  vec3 diffuse_wi = sample_cosine_hemisphere(u);
+  Encounter facet = reflection_encounter(wo, diffuse_wi);
+  vec3 wi = diffuse_wi;
+  bool is_diffuse = true;
+  bool is_delta = false;
+  BsdfEval delta;
+  if (bsdf_has_specular) {
+    float s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
+    float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
+    is_diffuse = u_lobe < diffuse_o;
+    float u_choice = clamp((u_lobe - diffuse_o) / max(1.0 - diffuse_o, 1e-7), 0.0, ONE_MINUS_ULP);
+    FacetEvent event = sample_facet_event(bsdf, wo, u_choice, u);
+    is_delta = !is_diffuse && bsdf_has_delta && bsdf.alpha.x == 0.0;
+    if (bsdf_has_delta) delta = evaluate_delta(bsdf, wo, event, diffuse_o, transport);
+    wi = is_diffuse ? diffuse_wi : event.wi;
+    if (!is_diffuse) facet = event.facet;
+  }
+  BsdfEval eval = evaluate_lobes(bsdf, bsdf.alpha, wo, wi, facet, transport);
+  float numerator = abs(wi.z);
+  if (bsdf_has_delta && is_delta) {
+    eval = delta;
+    numerator = 1.0;
+  }
+  bool is_valid = facet.is_valid && wo.z > 0.0 && numerator > 0.0 && eval.pdf_forward > 0.0;
+  if (!is_valid) return INVALID_BSDF_SAMPLE;
+
+  BsdfSample result;
+  result.wi = wi;
+  result.weight = eval.value * (numerator / eval.pdf_forward);
+  result.pdf_forward = eval.pdf_forward;
+  result.pdf_reverse = eval.pdf_reverse;
+  result.flags = BSDF_SAMPLE_VALID | (is_delta ? BSDF_SAMPLE_DELTA : 0u) |
+                 (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u);
+  bool is_scaled = bsdf_has_transmission && facet.is_refracted && transport == TRANSPORT_RADIANCE;
+  result.eta_scale = is_scaled ? 1.0 / bsdf.inverse_eta_squared : 1.0;
+  return result;
+}
+
+#endif

@@ -1,0 +1,44 @@
+// Reflectance of a smooth interface: exact for dielectrics, its KHR_materials_specular remapping, Schlick for
+// metals.
+#ifndef REGULUS_LIB_FRESNEL_GLSL
+#define REGULUS_LIB_FRESNEL_GLSL
+
+#include "lib/numerics.glsl"
+
+// Unpolarized Fresnel reflectance for the cosine c on the incident side. excess = eta^2 - 1 with
+// eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted direction), so g^2 = c^2 + excess;
+// g = 0 stands for total internal reflection.
+// r_s = -excess / (c + g)^2 keeps its relative precision for eta near 1, where (c - g) / (c + g) does not;
+// r_p = r_s cos(a + b) / cos(a - b) with c g -+ sin^2 for the cosines of sum and difference.
+float fresnel_dielectric(float c, float g, float excess) {
+  float sum_squared = square(c + g);
+  float sin_squared = (1.0 - c) * (1.0 + c);
+  float cos_difference = c * g + sin_squared;
+  float cos_sum = c * g - sin_squared;
+  float numerator = square(excess) * (square(cos_sum) + square(cos_difference));
+  float reflectance = 0.5 * numerator / square(sum_squared * cos_difference);
+  return g > 0.0 ? min(reflectance, 1.0) : 1.0;
+}
+
+// g of fresnel_dielectric for a cosine on the incident side.
+float refracted_g(float c, float excess) { return safe_sqrt(c * c + excess); }
+
+// (1 - c)^5
+float schlick_weight(float c) {
+  float m = clamp(1.0 - c, 0.0, 1.0);
+  return square(square(m)) * m;
+}
+
+// How far, from 0 at normal incidence to 1 at grazing, the cosine-weighted mean of the exact reflectance lies:
+// (F_avg - F_0) / (1 - F_0) for light that comes from outside. Error below 1e-5 for ior in [1, 10], below
+// 1e-3 beyond. x = (ior - 1) / (ior + 1).
+float fresnel_mean_position(float x) {
+  float v = sqrt(x);
+  float numerator = 0.684179389 + v * (-0.365813115 + v * (0.265738673 + v * (-2.3757069 + v * 1.58485569)));
+  float denominator = 1.0 + v * (0.429550602 + v * (4.04550278 - v * 4.76732933));
+  float d = safe_sqrt(1.0 - x);
+  float high = -0.333333333 + d * (0.10833273 + d * (3.42691573 + d * (-8.70691619 + d * 7.60746608)));
+  return x < 0.825 ? x * numerator / denominator : high;
+}
+
+#endif

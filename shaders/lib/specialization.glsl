@@ -1,0 +1,15 @@
+// The specialization constants of every stage (ids in interface/wavefront.h). The defaults leave everything
+// in, so that a kernel that sets none is complete.
+#ifndef REGULUS_LIB_SPECIALIZATION_GLSL
+#define REGULUS_LIB_SPECIALIZATION_GLSL
+
+#include "interface/wavefront.h"
+
+layout(constant_id = SPEC_NDF) const uint spec_ndf = NDF_GGX;
+layout(constant_id = SPEC_SHADOWING) const uint spec_shadowing = SHADOWING_SMITH;
+layout(constant_id = SPEC_MATERIAL_CLASS) const uint spec_material_class = MATERIAL_CLASS_TRANSMISSIVE;
+layout(constant_id = SPEC_FEATURES) const uint spec_features = 0xFFFFFFFFu;
+layout(constant_id = SPEC_TECHNIQUES) const uint spec_techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
+layout(constant_id = SPEC_FILTER) const uint spec_filter = FILTER_GAUSSIAN;
+
+#endif
