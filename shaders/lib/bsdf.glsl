@@ -28,11 +28,12 @@ const uint BSDF_SAMPLE_VALID = 1u;
 const uint BSDF_SAMPLE_DELTA = 2u;
 const uint BSDF_SAMPLE_TRANSMITTED = 4u;
 
-// What this pipeline can meet.
-const bool bsdf_has_specular = spec_material_class != MATERIAL_CLASS_DIFFUSE;
-const bool bsdf_has_transmission = spec_material_class == MATERIAL_CLASS_TRANSMISSIVE;
-const bool bsdf_has_rough = bsdf_has_specular && (spec_features & FEATURE_ROUGH_SPECULAR) != 0u;
-const bool bsdf_has_delta = bsdf_has_specular && (spec_features & FEATURE_DELTA_SPECULAR) != 0u;
+// What this pipeline can meet. (Functions: glslang 12 orders constants derived from derived specialization
+// constants wrongly.)
+bool bsdf_has_specular() { return spec_material_class != MATERIAL_CLASS_DIFFUSE; }
+bool bsdf_has_transmission() { return spec_material_class == MATERIAL_CLASS_TRANSMISSIVE; }
+bool bsdf_has_rough() { return bsdf_has_specular() && (spec_features & FEATURE_ROUGH_SPECULAR) != 0u; }
+bool bsdf_has_delta() { return bsdf_has_specular() && (spec_features & FEATURE_DELTA_SPECULAR) != 0u; }
 
 // Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
 const float MIN_ALPHA = 1e-7;
@@ -97,13 +98,13 @@ float reflected_luminance(Bsdf bsdf, float s, float k) {
 }
 
 float transmitted_luminance(Bsdf bsdf, float s) {
-  if (!bsdf_has_transmission) return 0.0;
+  if (!bsdf_has_transmission()) return 0.0;
   return max(bsdf.transmitted_luminance.x - s * bsdf.transmitted_luminance.y, 0.0);
 }
 
 // Probability of sampling the diffuse lobe from a direction with cosine c and Fresnel position s.
 float diffuse_probability(Bsdf bsdf, float c, float s) {
-  if (!bsdf_has_specular) return 1.0;
+  if (!bsdf_has_specular()) return 1.0;
   float diffuse = max(bsdf.diffuse_luminance.x - s * bsdf.diffuse_luminance.y, 0.0);
   float specular = reflected_luminance(bsdf, s, schlick_weight(c)) + transmitted_luminance(bsdf, s);
   return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
@@ -111,7 +112,7 @@ float diffuse_probability(Bsdf bsdf, float c, float s) {
 
 // Probability of reflection at a facet: c is the cosine with the facet normal of the side it is seen from.
 float reflection_probability(Bsdf bsdf, float s, float c) {
-  if (!bsdf_has_transmission) return 1.0;
+  if (!bsdf_has_transmission()) return 1.0;
   float reflected = reflected_luminance(bsdf, s, schlick_weight(c));
   float transmitted = transmitted_luminance(bsdf, s);
   return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
@@ -121,12 +122,12 @@ float reflection_probability(Bsdf bsdf, float s, float c) {
 Bsdf make_bsdf(Material material, bool is_front) {
   Bsdf bsdf;
   vec3 dielectric = (1.0 - material.metallic) * material.base_color;
-  if (!bsdf_has_specular) {
+  if (!bsdf_has_specular()) {
     bsdf.diffuse = dielectric;
     bsdf.alpha = vec2(0.0);
     return bsdf;
   }
-  float transmission = bsdf_has_transmission ? material.transmission : 0.0;
+  float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
   bsdf.metallic = material.metallic;
   bsdf.metal = material.metallic * material.base_color;
   bsdf.transmission = transmission * dielectric;
@@ -138,7 +139,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
   // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
   float ior = material.ior;
   float excess = (ior - 1.0) * (ior + 1.0);
-  bool is_inside = bsdf_has_transmission && transmission > 0.0 && !bsdf.is_thin && !is_front;
+  bool is_inside = bsdf_has_transmission() && transmission > 0.0 && !bsdf.is_thin && !is_front;
   bsdf.excess = is_inside ? -excess / (ior * ior) : excess;
   bsdf.inverse_eta = is_inside ? ior : 1.0 / ior;
   bsdf.inverse_eta_squared = square(bsdf.inverse_eta);
@@ -183,7 +184,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   float cos_o = wo.z;
   float cos_i = abs(wi.z);
   float same_side = facet.is_transmitted ? 0.0 : INV_PI;
-  if (!bsdf_has_specular) {
+  if (!bsdf_has_specular()) {
     eval.value = bsdf.diffuse * same_side;
     eval.pdf_forward = cos_i * same_side;
     eval.pdf_reverse = cos_o * same_side;
@@ -199,7 +200,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
                (1.0 - dielectric_reflectance(bsdf, s_i)) * same_side;
   eval.pdf_forward = diffuse_o * cos_i * same_side;
   eval.pdf_reverse = diffuse_i * cos_o * same_side;
-  if (!bsdf_has_rough) return eval;
+  if (!bsdf_has_rough()) return eval;
 
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, cos_i);
   vec2 evaluated_alpha = max(alpha, vec2(MIN_ALPHA));
@@ -218,7 +219,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   float scale = 0.25;
   float reverse_scale = 1.0;
   float value_scale = 1.0;
-  if (bsdf_has_transmission && facet.is_refracted) {
+  if (bsdf_has_transmission() && facet.is_refracted) {
     float difference = bsdf.excess / (facet.o_dot_h + g);
     scale = facet.o_dot_h * g / (bsdf.inverse_eta * max(square(difference), 1e-16));
     reverse_scale = bsdf.inverse_eta_squared;
@@ -227,7 +228,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   bool is_rough = facet.is_valid && alpha.x > 0.0;
   float density = is_rough ? min(terms.density * scale, MAX_DENSITY) : 0.0;
   vec3 weight = interface_reflectance(bsdf, s, k);
-  if (bsdf_has_transmission && facet.is_transmitted) {
+  if (bsdf_has_transmission() && facet.is_transmitted) {
     weight = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, s));
     reflect_o = 1.0 - reflect_o;
     reflect_i = 1.0 - reflect_i;
@@ -255,7 +256,7 @@ Encounter reflection_encounter(vec3 wo, vec3 wi) {
 // The facet that joins any two directions.
 Encounter encounter(Bsdf bsdf, vec3 wo, vec3 wi) {
   Encounter facet = reflection_encounter(wo, vec3(wi.xy, abs(wi.z)));
-  if (!bsdf_has_transmission) {
+  if (!bsdf_has_transmission()) {
     facet.is_transmitted = wi.z <= 0.0;
     facet.is_valid = wi.z > 0.0;
     return facet;
@@ -292,25 +293,25 @@ struct FacetEvent {
 
 FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
   Facet visible = Facet(vec3(0.0, 0.0, 1.0), wo.z);
-  if (bsdf_has_rough) {
+  if (bsdf_has_rough()) {
     Facet rough = sample_visible_normal(wo, max(bsdf.alpha, vec2(MIN_ALPHA)), u, u_choice);
-    if (!bsdf_has_delta || bsdf.alpha.x > 0.0) visible = rough;
+    if (!bsdf_has_delta() || bsdf.alpha.x > 0.0) visible = rough;
   }
   FacetEvent event;
   float c = visible.w_dot_h;
   float g = refracted_g(c, bsdf.excess);
   event.position = fresnel_position(bsdf, c, g, bsdf.excess);
   event.probability = reflection_probability(bsdf, event.position, c);
-  bool is_transmitted = bsdf_has_transmission && u_choice >= event.probability;
+  bool is_transmitted = bsdf_has_transmission() && u_choice >= event.probability;
   bool is_refracted = is_transmitted && !bsdf.is_thin;
   event.wi = 2.0 * c * visible.h - wo;
   bool is_valid = c > 0.0 && event.wi.z > 0.0;
-  if (bsdf_has_transmission && is_transmitted) {
+  if (bsdf_has_transmission() && is_transmitted) {
     event.probability = 1.0 - event.probability;
     event.wi.z = -event.wi.z;
   }
   float i_dot_h = c;
-  if (bsdf_has_transmission && is_refracted) {
+  if (bsdf_has_transmission() && is_refracted) {
     // (c / eta - cos_t) h - wo / eta with c - g = -excess / (c + g)
     event.wi = -bsdf.inverse_eta * (wo + (bsdf.excess / max(c + g, MIN_COS)) * visible.h);
     i_dot_h = g * bsdf.inverse_eta;
@@ -323,13 +324,13 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
 // Factor and discrete probabilities of a delta event (alpha = 0, h = z).
 BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, uint transport) {
   float cos_i = abs(event.wi.z);
-  bool is_refracted = bsdf_has_transmission && event.facet.is_refracted;
+  bool is_refracted = bsdf_has_transmission() && event.facet.is_refracted;
   float excess_i = is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
   float s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float reflect_i = reflection_probability(bsdf, event.position, cos_i);
   BsdfEval eval;
   eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
-  if (bsdf_has_transmission && event.facet.is_transmitted) {
+  if (bsdf_has_transmission() && event.facet.is_transmitted) {
     eval.value = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, event.position));
     if (is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
     reflect_i = 1.0 - reflect_i;
@@ -349,20 +350,20 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   bool is_diffuse = true;
   bool is_delta = false;
   BsdfEval delta;
-  if (bsdf_has_specular) {
+  if (bsdf_has_specular()) {
     float s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
     is_diffuse = u_lobe < diffuse_o;
     float u_choice = clamp((u_lobe - diffuse_o) / max(1.0 - diffuse_o, 1e-7), 0.0, ONE_MINUS_ULP);
     FacetEvent event = sample_facet_event(bsdf, wo, u_choice, u);
-    is_delta = !is_diffuse && bsdf_has_delta && bsdf.alpha.x == 0.0;
-    if (bsdf_has_delta) delta = evaluate_delta(bsdf, wo, event, diffuse_o, transport);
+    is_delta = !is_diffuse && bsdf_has_delta() && bsdf.alpha.x == 0.0;
+    if (bsdf_has_delta()) delta = evaluate_delta(bsdf, wo, event, diffuse_o, transport);
     wi = is_diffuse ? diffuse_wi : event.wi;
     if (!is_diffuse) facet = event.facet;
   }
   BsdfEval eval = evaluate_lobes(bsdf, bsdf.alpha, wo, wi, facet, transport);
   float numerator = abs(wi.z);
-  if (bsdf_has_delta && is_delta) {
+  if (bsdf_has_delta() && is_delta) {
     eval = delta;
     numerator = 1.0;
   }
@@ -376,7 +377,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   result.pdf_reverse = eval.pdf_reverse;
   result.flags = BSDF_SAMPLE_VALID | (is_delta ? BSDF_SAMPLE_DELTA : 0u) |
                  (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u);
-  bool is_scaled = bsdf_has_transmission && facet.is_refracted && transport == TRANSPORT_RADIANCE;
+  bool is_scaled = bsdf_has_transmission() && facet.is_refracted && transport == TRANSPORT_RADIANCE;
   result.eta_scale = is_scaled ? 1.0 / bsdf.inverse_eta_squared : 1.0;
   return result;
 }

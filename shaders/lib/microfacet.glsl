@@ -8,7 +8,7 @@
 
 // The Cosine distribution has no closed-form sampler of Smith-visible normals: the V-cavity's serve, with
 // their own exact pdf.
-const bool samples_v_cavity = spec_shadowing == SHADOWING_V_CAVITY || spec_ndf == NDF_COSINE;
+bool samples_v_cavity() { return spec_shadowing == SHADOWING_V_CAVITY || spec_ndf == NDF_COSINE; }
 
 // Terms of a microfacet lobe at one (wo, wi, h).
 struct MicrofacetTerms {
@@ -38,7 +38,7 @@ MicrofacetTerms microfacet_terms(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float 
   float cos_i = max(abs(wi.z), MIN_COS);
   MicrofacetTerms terms;
   terms.density = ndf_density(h, alpha);
-  if (samples_v_cavity) {
+  if (samples_v_cavity()) {
     terms.visibility_o = v_cavity_visibility(cos_o, max(o_dot_h, MIN_COS), h.z);
     terms.visibility_i = v_cavity_visibility(cos_i, max(i_dot_h, MIN_COS), h.z);
   }
@@ -48,7 +48,7 @@ MicrofacetTerms microfacet_terms(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float 
   }
   float area_o = smith_projected_area(wo, alpha);
   float area_i = smith_projected_area(wi, alpha);
-  if (!samples_v_cavity) {
+  if (!samples_v_cavity()) {
     terms.visibility_o = 1.0 / area_o;
     terms.visibility_i = 1.0 / area_i;
   }
@@ -62,7 +62,7 @@ MicrofacetTerms microfacet_terms(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float 
 // Normal visible from w, w.z > 0. u_choice is a uniform random number from which the discrete choices are
 // taken; what remains of it is uniform again.
 Facet sample_visible_normal(vec3 w, vec2 alpha, vec2 u, inout float u_choice) {
-  if (samples_v_cavity) return sample_visible_v_cavity(w, alpha, u, u_choice);
+  if (samples_v_cavity()) return sample_visible_v_cavity(w, alpha, u, u_choice);
   if (spec_ndf == NDF_GGX) return sample_visible_ggx(w, alpha, u);
   return sample_visible_beckmann(w, alpha, u, u_choice);
 }
