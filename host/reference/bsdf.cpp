@@ -55,7 +55,7 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
   const dvec3 average = dielectric_.remap(fresnel_dielectric_average(parameters.ior), parameters.ior);
   diffuse_scale_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color /
-                   (pi * glm::max(1.0 - average, dvec3(1e-6)));
+                   (pi * glm::max(1.0 - average, dvec3(1e-4)));
 }
 
 double Bsdf::relative_index(const dvec3& w) const {

@@ -46,7 +46,8 @@ SpecularDielectric SpecularDielectric::make(double eta, double specular, const d
 
 dvec3 SpecularDielectric::remap(double exact, double eta) const {
   const double normal = fresnel_normal_incidence(eta);
-  return glm::mix(f0, dvec3(f90), (exact - normal) / (1 - normal));
+  // Above n = 2 + sqrt(3) the exact curve dips below normal incidence near Brewster's angle.
+  return glm::max(glm::mix(f0, dvec3(f90), (exact - normal) / (1 - normal)), dvec3(0));
 }
 
 dvec3 SpecularDielectric::reflectance(double cos_incident, double eta) const {

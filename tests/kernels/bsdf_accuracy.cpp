@@ -1,0 +1,280 @@
+// The shaders' scattering model against the double-precision reference, on random inputs over all
+// distributions, shadowing terms and material classes.
+//
+// The bound: 1e-4 relative for alpha >= 1e-3. Where the result is so sensitive that moving the float inputs
+// by ULPS units in the last place already changes it by more (narrow lobes seen through a half vector that
+// nearly cancels, the critical angle, the horizon), the bound is that change. How often that was needed is
+// printed and bounded, too.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "kernels/bsdf_cases.hpp"
+
+namespace regulus::test {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+using namespace interface;
+using reference::BsdfSample;
+
+constexpr double RELATIVE_BOUND = 1e-4;
+constexpr double ULPS = 2;
+constexpr double SMALLEST_FLOAT = 1e-35;  // below, denormals are flushed on some devices
+constexpr double LARGEST_DENSITY = 1e29;  // above, densities may be clamped
+constexpr int CASES_PER_KIND = 1500;
+
+dvec3 random_direction(Random& random, double sign) {
+  // Half the directions are uniform, the others approach the horizon logarithmically.
+  dvec3 w = random.direction();
+  if (random.uniform() < 0.5) {
+    const double z = random.log_uniform(1e-4, 1);
+    const dvec2 xy = normalize(dvec2(w)) * std::sqrt(1 - z * z);
+    w = {xy, z};
+  }
+  return {w.x, w.y, sign * std::abs(w.z)};
+}
+
+/// A case of this kind; `wi` half of the time drawn by the reference's sampler, so that narrow lobes are hit.
+BsdfCase random_case(Kind kind, const Model& model, double smallest_alpha, Random& random) {
+  BsdfCase c{};
+  c.material = random_material(kind, random);
+  const double alpha = random.log_uniform(smallest_alpha, 1);
+  c.material.roughness = static_cast<float>(std::sqrt(alpha));
+  c.alpha = glm::vec2(-1);
+  if (model.ndf != NDF_COSINE && random.uniform() < 0.25)
+    c.alpha = {static_cast<float>(alpha), static_cast<float>(random.log_uniform(smallest_alpha, 1))};
+  c.is_front = random.uniform() < 0.6 ? 1 : 0;
+  c.mode = random.index(2);
+  c.wo = random_direction(random, 1);
+  c.wi = random_direction(random, random.uniform() < 0.5 ? 1 : -1);
+  c.u_lobe = static_cast<float>(random.index(1u << 24) * 0x1p-24);
+  c.u = {random.index(1u << 24) * 0x1p-24, random.index(1u << 24) * 0x1p-24};
+  if (random.uniform() < 0.7) {
+    const ReferenceCase r = reference_case(c, model);
+    const BsdfSample sample = r.bsdf.sample(r.wo, random.uniform(), random.uniform(), random.cube(),
+                                            reference::TransportMode::Radiance);
+    if (sample.is_valid) c.wi = mirrored_if_back(sample.wi, c);
+  }
+  return c;
+}
+
+/// Collects the errors of one quantity over all cases.
+class ErrorStatistics {
+ public:
+  explicit ErrorStatistics(const char* quantity) : quantity_(quantity) {}
+
+  /// Compares; `allowed()` gives what the conditioning excuses and is only asked where it is needed. Returns
+  /// true if within the bound.
+  template <typename Allowed>
+  bool add(double measured, double expected, const Allowed& allowed) {
+    ++count_;
+    const double error = std::abs(measured - expected);
+    const double relative = error / std::max(std::abs(expected), SMALLEST_FLOAT);
+    if (relative <= RELATIVE_BOUND || error <= SMALLEST_FLOAT) {
+      worst_ = std::max(worst_, error <= SMALLEST_FLOAT ? 0 : relative);
+      return true;
+    }
+    if (error <= allowed()) {
+      ++excused_;
+      return true;
+    }
+    ++failed_;
+    worst_failure_ = std::isfinite(relative) ? std::max(worst_failure_, relative) : relative;
+    return false;
+  }
+
+  /// Prints the summary and fails the test if the bound was exceeded, or excused more often than
+  /// `most_excused`.
+  void report(const std::string& name, double most_excused) const {
+    std::printf("%-42s %-12s %6d values, error %.1e (bound %.0e), %4d within %g ulp of inputs, %d wrong\n",
+                name.c_str(), quantity_, count_, worst_, RELATIVE_BOUND, excused_, ULPS, failed_);
+    EXPECT_EQ(failed_, 0) << name << " " << quantity_ << ": worst relative error " << worst_failure_;
+    EXPECT_LE(excused_, most_excused * count_) << name << " " << quantity_;
+  }
+
+ private:
+  const char* quantity_;
+  int count_ = 0, excused_ = 0, failed_ = 0;
+  double worst_ = 0, worst_failure_ = 0;
+};
+
+/// One line for the first few cases that went wrong, enough to repeat them.
+void describe_failure(const char* what, const BsdfCase& c, const Model& model, const dvec3& measured,
+                      const dvec3& expected) {
+  static int described = 0;
+  if (++described > 12) return;
+  const Material& m = c.material;
+  std::printf(
+      "  %s %s\n    measured %.7g %.7g %.7g  expected %.7g %.7g %.7g\n    wo (%.9g %.9g %.9g) wi (%.9g %.9g "
+      "%.9g) front "
+      "%u mode %u roughness %.9g alpha (%.9g %.9g)\n    base (%.3g %.3g %.3g) metallic %.4g ior %.6g "
+      "transmission %.4g "
+      "specular %.4g (%.3g %.3g %.3g) flags %u u_lobe %.9g u (%.9g %.9g)\n",
+      model.name().c_str(), what, measured.x, measured.y, measured.z, expected.x, expected.y, expected.z,
+      c.wo.x, c.wo.y, c.wo.z, c.wi.x, c.wi.y, c.wi.z, c.is_front, c.mode, m.roughness, c.alpha.x, c.alpha.y,
+      m.base_color.x, m.base_color.y, m.base_color.z, m.metallic, m.ior, m.transmission, m.specular,
+      m.specular_color.x, m.specular_color.y, m.specular_color.z, m.flags, c.u_lobe, c.u.x, c.u.y);
+}
+
+std::vector<BsdfCase> random_cases(const Model& model, double smallest_alpha, uint64_t stream) {
+  Random random(stream);
+  std::vector<BsdfCase> cases;
+  for (const Kind kind : ALL_KINDS) {
+    if (material_class_of(kind) != model.material_class) continue;
+    for (int i = 0; i < CASES_PER_KIND; ++i)
+      cases.push_back(random_case(kind, model, smallest_alpha, random));
+  }
+  return cases;
+}
+
+/// The conditioning of a case, computed when first asked for.
+class LazyConditioning {
+ public:
+  LazyConditioning(const BsdfCase& c, const Model& model) : case_(c), model_(model) {}
+  const Evaluation& get() {
+    if (!known_) value_ = conditioning(case_, model_, ULPS);
+    known_ = true;
+    return value_;
+  }
+
+ private:
+  const BsdfCase& case_;
+  const Model& model_;
+  Evaluation value_{};
+  bool known_ = false;
+};
+
+class BsdfAccuracy : public testing::TestWithParam<uint32_t> {};
+
+TEST_P(BsdfAccuracy, ValueAndPdfsMatchTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  for (const Model& model : models_of_class(GetParam())) {
+    const gpu::Kernel kernel = create_kernel("bsdf_evaluate", model);
+    const std::vector<BsdfCase> cases = random_cases(model, 1e-3, 21);
+    const auto results = map_on_device<BsdfEvaluated>(kernel, cases);
+    ErrorStatistics value("value"), forward("pdf forward"), reverse("pdf reverse");
+    for (size_t i = 0; i < cases.size(); ++i) {
+      const Evaluation expected = evaluate_reference(cases[i], model);
+      LazyConditioning allowed(cases[i], model);
+      bool is_right = true;
+      for (int channel = 0; channel < 3; ++channel)
+        is_right &= value.add(results[i].value[channel], expected.value[channel],
+                              [&] { return allowed.get().value[channel]; });
+      if (!is_right) describe_failure("value", cases[i], model, results[i].value, expected.value);
+      is_right = forward.add(results[i].pdf_forward, expected.pdf_forward,
+                             [&] { return allowed.get().pdf_forward; });
+      is_right &= reverse.add(results[i].pdf_reverse, expected.pdf_reverse,
+                              [&] { return allowed.get().pdf_reverse; });
+      if (!is_right)
+        describe_failure("pdfs", cases[i], model, {results[i].pdf_forward, results[i].pdf_reverse, 0},
+                         {expected.pdf_forward, expected.pdf_reverse, 0});
+    }
+    value.report(model.name(), 0.05);
+    forward.report(model.name(), 0.05);
+    reverse.report(model.name(), 0.05);
+  }
+}
+
+/// The weight value |cos| / pdf of a case by the reference.
+dvec3 weight_of(const Evaluation& e, const BsdfCase& c) {
+  return e.pdf_forward > 0 ? e.value * std::abs(double{c.wi.z}) / e.pdf_forward : dvec3(0);
+}
+
+TEST_P(BsdfAccuracy, SampleWeightIsValueTimesCosineOverPdf) {
+  // The kernel's weight and densities come from the half vector it drew; the reference gets only the rounded
+  // direction. Delta events are compared in the next test.
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  for (const Model& model : models_of_class(GetParam())) {
+    const gpu::Kernel kernel = create_kernel("bsdf_sample", model);
+    std::vector<BsdfCase> cases = random_cases(model, 1e-3, 22);
+    const auto results = map_on_device<BsdfSampled>(kernel, cases);
+    ErrorStatistics weight("weight"), forward("pdf forward"), reverse("pdf reverse");
+    int valid = 0;
+    for (size_t i = 0; i < cases.size(); ++i) {
+      const BsdfSampled& sampled = results[i];
+      if ((sampled.flags & BSDF_SAMPLED_VALID) == 0) continue;
+      ++valid;
+      ASSERT_EQ(sampled.flags & BSDF_SAMPLED_DELTA, 0u);
+      EXPECT_EQ((sampled.flags & BSDF_SAMPLED_TRANSMITTED) != 0, sampled.wi.z < 0);
+      EXPECT_NEAR(length(dvec3(sampled.wi)), 1, 4e-7) << "4 ulp";
+      BsdfCase c = cases[i];
+      c.wi = sampled.wi;
+      const Evaluation expected = evaluate_reference(c, model);
+      LazyConditioning allowed(c, model);
+      const dvec3 expected_weight = weight_of(expected, c);
+      bool is_right = true;
+      for (int channel = 0; channel < 3; ++channel)
+        is_right &= weight.add(sampled.weight[channel], expected_weight[channel], [&] {
+          const double cosine_over_pdf = std::abs(double{c.wi.z}) / expected.pdf_forward;
+          return (allowed.get().value[channel] +
+                  expected.value[channel] * allowed.get().pdf_forward / expected.pdf_forward) *
+                 cosine_over_pdf;
+        });
+      if (!is_right) describe_failure("weight", c, model, sampled.weight, expected_weight);
+      is_right =
+          forward.add(sampled.pdf_forward, expected.pdf_forward, [&] { return allowed.get().pdf_forward; });
+      is_right &=
+          reverse.add(sampled.pdf_reverse, expected.pdf_reverse, [&] { return allowed.get().pdf_reverse; });
+      if (!is_right)
+        describe_failure("sampled pdfs", c, model, {sampled.pdf_forward, sampled.pdf_reverse, 0},
+                         {expected.pdf_forward, expected.pdf_reverse, 0});
+    }
+    weight.report(model.name(), 0.02);
+    forward.report(model.name(), 0.4);
+    reverse.report(model.name(), 0.4);
+    EXPECT_GT(valid, static_cast<int>(cases.size() / 3)) << model.name();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(MaterialClass, BsdfAccuracy, testing::Range(0u, MATERIAL_CLASS_COUNT));
+
+TEST(BsdfDelta, EventsMatchTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  for (const uint32_t material_class : {MATERIAL_CLASS_OPAQUE, MATERIAL_CLASS_TRANSMISSIVE}) {
+    const Model model{NDF_GGX, SHADOWING_SMITH, material_class};
+    const gpu::Kernel kernel = create_kernel("bsdf_sample", model);
+    std::vector<BsdfCase> cases = random_cases(model, 1e-3, 23);
+    for (BsdfCase& c : cases) {
+      c.material.roughness = 0;
+      c.alpha = glm::vec2(-1);
+    }
+    const auto results = map_on_device<BsdfSampled>(kernel, cases);
+    int events = 0;
+    double worst = 0;
+    for (size_t i = 0; i < cases.size(); ++i) {
+      const BsdfSampled& sampled = results[i];
+      if ((sampled.flags & BSDF_SAMPLED_DELTA) == 0 || (sampled.flags & BSDF_SAMPLED_VALID) == 0) continue;
+      ++events;
+      const BsdfCase& c = cases[i];
+      const ReferenceCase r = reference_case(c, model);
+      const bool is_transmitted = (sampled.flags & BSDF_SAMPLED_TRANSMITTED) != 0;
+      const BsdfSample expected =
+          r.bsdf.sample(r.wo, std::nextafter(1.0, 0.0), is_transmitted ? std::nextafter(1.0, 0.0) : 0.0,
+                        dvec3(0.5), r.mode);
+      ASSERT_TRUE(expected.is_valid && expected.is_delta && expected.is_transmitted == is_transmitted);
+      const dvec3 wi = mirrored_if_back(expected.wi, c);
+      // Refraction near the critical angle: cos_t has the error of sin^2 divided by 2 cos_t.
+      const double direction_bound = 1e-6 + 1e-6 / std::abs(wi.z);
+      EXPECT_LT(length(dvec3(sampled.wi) - wi), direction_bound);
+      const double fresnel_bound = RELATIVE_BOUND + 1e-6 / (wi.z * wi.z);
+      for (int channel = 0; channel < 3; ++channel) {
+        const double error =
+            std::abs(sampled.weight[channel] - expected.weight[channel]) / expected.weight[channel];
+        if (fresnel_bound < 2 * RELATIVE_BOUND) worst = std::max(worst, error);
+        EXPECT_LT(error, fresnel_bound);
+      }
+      EXPECT_NEAR(sampled.pdf_forward / expected.pdf_forward, 1, fresnel_bound);
+      EXPECT_NEAR(sampled.pdf_reverse / expected.pdf_reverse, 1, fresnel_bound);
+    }
+    std::printf("%s: %d delta events, largest relative error of the weight %.1e\n", model.name().c_str(),
+                events, worst);
+    EXPECT_GT(events, static_cast<int>(cases.size() / 4));
+  }
+}
+
+}  // namespace
+}  // namespace regulus::test

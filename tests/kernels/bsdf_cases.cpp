@@ -1,0 +1,169 @@
+#include "kernels/bsdf_cases.hpp"
+
+#include <cmath>
+
+namespace regulus::test_kernels {
+std::span<const uint32_t> spirv(std::string_view name);
+}
+
+namespace regulus::test {
+
+using glm::dvec3;
+using glm::vec3;
+using namespace interface;
+using reference::Bsdf;
+using reference::BsdfParameters;
+using reference::TransportMode;
+
+namespace {
+
+constexpr uint32_t NDFS[] = {NDF_GGX, NDF_BECKMANN, NDF_COSINE};
+constexpr uint32_t SHADOWINGS[] = {SHADOWING_SMITH, SHADOWING_SMITH_UNCORRELATED, SHADOWING_V_CAVITY};
+const char* const NDF_NAMES[] = {"GGX", "Beckmann", "Cosine"};
+const char* const SHADOWING_NAMES[] = {"Smith", "Smith uncorrelated", "V-cavity"};
+const char* const CLASS_NAMES[] = {"diffuse", "opaque", "transmissive"};
+
+/// A case in double precision, whose inputs can be moved.
+struct Inputs {
+  BsdfParameters parameters;
+  dvec3 wo, wi;
+  TransportMode mode;
+};
+
+Inputs inputs_of(const BsdfCase& c, const Model& model) {
+  const Material& m = c.material;
+  BsdfParameters p;
+  p.base_color = dvec3(m.base_color);
+  p.alpha = c.alpha.x >= 0 ? glm::dvec2(c.alpha) : glm::dvec2(double{m.roughness * m.roughness});
+  p.ndf = model.ndf;
+  p.shadowing = model.shadowing;
+  p.metallic = m.metallic;
+  p.ior = m.ior;
+  p.transmission = m.transmission;
+  p.specular = m.specular;
+  p.specular_color = dvec3(m.specular_color);
+  p.is_volume = (m.flags & MATERIAL_VOLUME) != 0;
+  return {p, mirrored_if_back(dvec3(c.wo), c), mirrored_if_back(dvec3(c.wi), c),
+          c.mode == 0 ? TransportMode::Radiance : TransportMode::Importance};
+}
+
+Evaluation evaluate(const Inputs& inputs) {
+  const Bsdf bsdf(inputs.parameters);
+  return {bsdf.value(inputs.wo, inputs.wi, inputs.mode), bsdf.pdf(inputs.wo, inputs.wi),
+          bsdf.pdf(inputs.wi, inputs.wo)};
+}
+
+}  // namespace
+
+Constants Model::constants() const {
+  // Every feature bit is set: the kernels under test have no code compiled away.
+  return {{SPEC_NDF, ndf},
+          {SPEC_SHADOWING, shadowing},
+          {SPEC_MATERIAL_CLASS, material_class},
+          {SPEC_FEATURES, 0xFFFFFFFFu}};
+}
+
+std::string Model::name() const {
+  return std::string(NDF_NAMES[ndf]) + ", " + SHADOWING_NAMES[shadowing] + ", " + CLASS_NAMES[material_class];
+}
+
+uint32_t material_class_of(Kind kind) {
+  switch (kind) {
+    case Kind::Diffuse:
+      return MATERIAL_CLASS_DIFFUSE;
+    case Kind::Metal:
+    case Kind::Plastic:
+      return MATERIAL_CLASS_OPAQUE;
+    default:
+      return MATERIAL_CLASS_TRANSMISSIVE;
+  }
+}
+
+std::vector<Model> models_of_class(uint32_t material_class) {
+  if (material_class == MATERIAL_CLASS_DIFFUSE) return {{NDF_GGX, SHADOWING_SMITH, material_class}};
+  std::vector<Model> models;
+  for (const uint32_t ndf : NDFS)
+    for (const uint32_t shadowing : SHADOWINGS) models.push_back({ndf, shadowing, material_class});
+  return models;
+}
+
+Material plain_material(Kind kind, float roughness) {
+  Material material{};
+  material.base_color = vec3(1);
+  material.metallic = kind == Kind::Metal ? 1.0f : kind == Kind::Mixed ? 0.25f : 0.0f;
+  material.roughness = roughness;
+  material.ior = 1.5f;
+  material.specular = kind == Kind::Diffuse ? 0.0f : 1.0f;
+  material.specular_color = vec3(1);
+  material.transmission = kind == Kind::Thin || kind == Kind::Solid ? 1.0f
+                          : kind == Kind::Mixed                     ? 0.5f
+                                                                    : 0.0f;
+  material.flags = kind == Kind::Solid || kind == Kind::Mixed ? MATERIAL_VOLUME : 0u;
+  material.material_class = material_class_of(kind);
+  return material;
+}
+
+Material random_material(Kind kind, Random& random) {
+  Material material = plain_material(kind, 1);
+  const auto number = [&](double low, double high) { return static_cast<float>(random.uniform(low, high)); };
+  material.base_color = {number(0.02, 1), number(0.02, 1), number(0.02, 1)};
+  if (kind == Kind::Diffuse) return material;
+  material.specular = random.uniform() < 0.3 ? number(0, 1) : 1.0f;
+  if (random.uniform() < 0.3) material.specular_color = {number(0, 2), number(0, 1), number(0, 1)};
+  material.ior = random.uniform() < 0.1 ? number(2.5, 4) : number(1.02, 2.5);
+  if (kind == Kind::Plastic) material.metallic = random.uniform() < 0.5 ? 0 : number(0, 1);
+  if (kind == Kind::Mixed) {
+    material.metallic = number(0, 1);
+    material.transmission = number(0.05, 1);
+    material.flags = random.uniform() < 0.5 ? MATERIAL_VOLUME : 0u;
+  }
+  return material;
+}
+
+dvec3 mirrored_if_back(const dvec3& w, const BsdfCase& c) {
+  return {w.x, w.y, c.is_front != 0 ? w.z : -w.z};
+}
+
+ReferenceCase reference_case(const BsdfCase& c, const Model& model) {
+  const Inputs inputs = inputs_of(c, model);
+  return {Bsdf(inputs.parameters), inputs.wo, inputs.wi, inputs.mode};
+}
+
+Evaluation evaluate_reference(const BsdfCase& c, const Model& model) {
+  return evaluate(inputs_of(c, model));
+}
+
+Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
+  const Inputs inputs = inputs_of(c, model);
+  const Evaluation base = evaluate(inputs);
+  Evaluation sum{dvec3(0), 0, 0};
+  const auto add_effect = [&](const auto& select) {
+    double largest_pdf[2] = {0, 0};
+    dvec3 largest(0);
+    for (const double sign : {-1.0, 1.0}) {
+      Inputs moved = inputs;
+      select(moved) *= 1 + sign * ulps * 0x1p-23;
+      const Evaluation e = evaluate(moved);
+      largest = max(largest, abs(e.value - base.value));
+      largest_pdf[0] = std::max(largest_pdf[0], std::abs(e.pdf_forward - base.pdf_forward));
+      largest_pdf[1] = std::max(largest_pdf[1], std::abs(e.pdf_reverse - base.pdf_reverse));
+    }
+    sum.value += largest;
+    sum.pdf_forward += largest_pdf[0];
+    sum.pdf_reverse += largest_pdf[1];
+  };
+  for (int axis = 0; axis < 3; ++axis) {
+    add_effect([axis](Inputs& i) -> double& { return i.wo[axis]; });
+    add_effect([axis](Inputs& i) -> double& { return i.wi[axis]; });
+  }
+  add_effect([](Inputs& i) -> double& { return i.parameters.ior; });
+  for (int axis = 0; axis < 2; ++axis)
+    add_effect([axis](Inputs& i) -> double& { return i.parameters.alpha[axis]; });
+  return sum;
+}
+
+gpu::Kernel create_kernel(std::string_view name, const Model& model) {
+  return create_batch_kernel(test_kernels::spirv, name, model.constants());
+}
+
+}  // namespace regulus::test

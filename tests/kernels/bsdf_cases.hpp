@@ -1,0 +1,67 @@
+// Inputs of the device tests of the scattering model, and the same inputs for the double-precision reference.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "bsdf_batch.h"
+#include "interface/wavefront.h"
+#include "reference/bsdf.hpp"
+#include "support/device.hpp"
+#include "support/random.hpp"
+
+namespace regulus::test {
+
+/// Kinds of material, each with lobes of its own.
+enum class Kind { Diffuse, Metal, Plastic, Thin, Solid, Mixed };
+inline constexpr std::array ALL_KINDS = {Kind::Diffuse, Kind::Metal, Kind::Plastic,
+                                         Kind::Thin,    Kind::Solid, Kind::Mixed};
+
+/// What a kernel is specialized to.
+struct Model {
+  uint32_t ndf, shadowing, material_class;
+
+  Constants constants() const;
+  std::string name() const;
+};
+
+uint32_t material_class_of(Kind kind);
+
+/// All distributions and shadowing terms, for one material class.
+std::vector<Model> models_of_class(uint32_t material_class);
+
+/// A material of this kind without randomness: white, index 1.5, all weights 1.
+interface::Material plain_material(Kind kind, float roughness);
+
+/// A random material of this kind: colours, weights and index vary; roughness is left to the caller.
+interface::Material random_material(Kind kind, Random& random);
+
+/// The float directions and material of a case in double precision. In the reference's frame z is the front
+/// side; its directions are mirrored when wo is at the back.
+struct ReferenceCase {
+  reference::Bsdf bsdf;
+  glm::dvec3 wo, wi;
+  reference::TransportMode mode;
+};
+ReferenceCase reference_case(const interface::BsdfCase& c, const Model& model);
+
+/// Direction given in the frame of the case (z on wo's side), in the reference's frame, and back.
+glm::dvec3 mirrored_if_back(const glm::dvec3& w, const interface::BsdfCase& c);
+
+/// The reference's value and densities of a case.
+struct Evaluation {
+  glm::dvec3 value;
+  double pdf_forward, pdf_reverse;
+};
+Evaluation evaluate_reference(const interface::BsdfCase& c, const Model& model);
+
+/// Change of the reference's evaluation when every input (six direction components, two roughnesses, index)
+/// is moved by `ulps` units of float precision, one after the other, summed: what rounding of the inputs
+/// alone can do. Channels of the value in x, y, z.
+Evaluation conditioning(const interface::BsdfCase& c, const Model& model, double ulps);
+
+/// The kernel `name` of tests/kernels, specialized.
+gpu::Kernel create_kernel(std::string_view name, const Model& model);
+
+}  // namespace regulus::test

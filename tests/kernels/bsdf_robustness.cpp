@@ -1,0 +1,190 @@
+// No input may give a value that is not finite or a negative density: roughness from 0 through 1e-7 to 1,
+// grazing and normal incidence, half vectors at the horizon, indices next to 1 and far from it, the critical
+// angle. And pairs of directions keep reciprocity.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "kernels/bsdf_cases.hpp"
+
+namespace regulus::test {
+namespace {
+
+using glm::vec3;
+using namespace interface;
+
+constexpr float PI = 3.14159265f;
+
+vec3 direction(double theta, double phi) {
+  return glm::dvec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+}
+
+/// All combinations of extreme material parameters of one kind.
+std::vector<Material> extreme_materials(Kind kind) {
+  std::vector<Material> materials;
+  for (const float alpha : {0.0f, 1e-12f, 1e-7f, 1e-5f, 1e-3f, 0.05f, 0.5f, 1.0f})
+    for (const double ior : {1.0, 1 + 1.2e-7, 1.0001, 1.5, 4.0, 10.0, 1e6}) {
+      Material material = plain_material(kind, std::sqrt(alpha));
+      material.ior = static_cast<float>(ior);
+      materials.push_back(material);
+    }
+  Material black = plain_material(kind, 0.5f);
+  black.base_color = vec3(0);
+  black.specular = 0;
+  materials.push_back(black);
+  Material coloured = plain_material(kind, 0.3f);
+  coloured.specular_color = {100, 0, 1};
+  coloured.ior = 5;
+  materials.push_back(coloured);
+  return materials;
+}
+
+/// wi that meet wo in the places where formulas divide by zero.
+std::vector<vec3> extreme_partners(const vec3& wo, float ior, bool is_front) {
+  std::vector<vec3> partners = {{-wo.x, -wo.y, wo.z}, wo, -wo, {wo.x, wo.y, -wo.z}, {-wo.x, -wo.y, 1e-6f}};
+  for (const double theta :
+       {0.0, 1e-6, 0.7, PI / 2 - 1e-3, PI / 2 - 1e-6, PI / 2 + 1e-6, PI / 2 + 0.1, PI - 1e-6})
+    partners.push_back(direction(theta, 2.0));
+  // Refraction at the mean normal, and past the critical angle from the dense side.
+  const float eta = is_front ? ior : 1 / ior;
+  const float sin2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta);
+  partners.push_back({-wo.x / eta, -wo.y / eta, -std::sqrt(std::max(0.0f, 1 - sin2))});
+  return partners;
+}
+
+std::vector<BsdfCase> extreme_cases(uint32_t material_class) {
+  std::vector<BsdfCase> cases;
+  for (const Kind kind : ALL_KINDS) {
+    if (material_class_of(kind) != material_class) continue;
+    for (const Material& material : extreme_materials(kind))
+      for (const bool is_front : {true, false}) {
+        const double critical = std::asin(std::min(1.0, 1.0 / material.ior));
+        for (const double theta : {0.0, 1e-6, 1e-3, 0.8, critical, std::nextafter(critical, 2.0),
+                                   critical - 1e-6, PI / 2 - 1e-3, PI / 2 - 1e-6, PI / 2 + 1e-3}) {
+          const vec3 wo = direction(theta, 0.4);
+          size_t partner_index = 0;
+          for (const vec3& wi : extreme_partners(wo, material.ior, is_front)) {
+            BsdfCase c{};
+            c.material = material;
+            c.alpha = vec3(-1);
+            c.is_front = is_front;
+            c.mode = partner_index & 1;
+            c.wo = wo;
+            c.wi = wi;
+            // Corners and edges of the unit cube of random numbers, and its inside.
+            const float levels[] = {0, 0x1p-24f, 0.37f, 1 - 0x1p-24f};
+            c.u_lobe = levels[partner_index % 4];
+            c.u = {levels[(partner_index / 4) % 4], levels[(partner_index * 7 / 3) % 4]};
+            ++partner_index;
+            cases.push_back(c);
+          }
+        }
+      }
+  }
+  return cases;
+}
+
+bool is_sound(float x) {
+  return std::isfinite(x) && x >= 0;
+}
+bool is_sound(const vec3& v) {
+  return is_sound(v.x) && is_sound(v.y) && is_sound(v.z);
+}
+
+std::string describe(const BsdfCase& c, const Model& model) {
+  char text[320];
+  std::snprintf(
+      text, sizeof text,
+      "%s: roughness %g ior %.9g metallic %g t %g flags %u front %u wo (%g %g %g) wi (%g %g %g) u %g %g %g",
+      model.name().c_str(), c.material.roughness, c.material.ior, c.material.metallic,
+      c.material.transmission, c.material.flags, c.is_front, c.wo.x, c.wo.y, c.wo.z, c.wi.x, c.wi.y, c.wi.z,
+      c.u_lobe, c.u.x, c.u.y);
+  return text;
+}
+
+TEST(BsdfRobustness, EverythingIsFinite) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  size_t evaluations = 0;
+  int unsound = 0;
+  for (uint32_t material_class = 0; material_class < MATERIAL_CLASS_COUNT; ++material_class) {
+    const std::vector<BsdfCase> cases = extreme_cases(material_class);
+    for (const Model& model : models_of_class(material_class)) {
+      const auto evaluated = map_on_device<BsdfEvaluated>(create_kernel("bsdf_evaluate", model), cases);
+      const auto sampled = map_on_device<BsdfSampled>(create_kernel("bsdf_sample", model), cases);
+      evaluations += 2 * cases.size();
+      for (size_t i = 0; i < cases.size(); ++i) {
+        const BsdfEvaluated& e = evaluated[i];
+        const BsdfSampled& s = sampled[i];
+        const bool evaluation_ok = is_sound(e.value) && is_sound(e.pdf_forward) && is_sound(e.pdf_reverse);
+        const bool is_valid = (s.flags & BSDF_SAMPLED_VALID) != 0;
+        const bool sample_ok =
+            !is_valid || (is_sound(s.weight) && is_sound(s.pdf_forward) && is_sound(s.pdf_reverse) &&
+                          s.pdf_forward > 0 && std::abs(length(s.wi) - 1) < 1e-5f);
+        const bool below_ok = cases[i].wo.z > 0 || (e.value == vec3(0) && !is_valid);
+        if (evaluation_ok && sample_ok && below_ok) continue;
+        if (++unsound > 10) continue;
+        ADD_FAILURE() << describe(cases[i], model) << "\n value " << e.value.x << " pdfs " << e.pdf_forward
+                      << " " << e.pdf_reverse << " weight " << s.weight.x << " pdfs " << s.pdf_forward << " "
+                      << s.pdf_reverse << " wi " << s.wi.x << " " << s.wi.y << " " << s.wi.z << " flags "
+                      << s.flags;
+      }
+    }
+  }
+  std::printf("%zu evaluations and samples, %d unsound (bound 0)\n", evaluations, unsound);
+  EXPECT_EQ(unsound, 0);
+}
+
+TEST(BsdfRobustness, ValuesAreReciprocalAndPdfsSwap) {
+  // rho(o, i) n_i^2 = rho(i, o) n_o^2 for radiance; the pdfs change places. Both evaluations see the same
+  // rounded directions, so only their own rounding differs: 2e-4, twice the accuracy bound.
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  Random random(31);
+  double worst = 0;
+  for (const uint32_t material_class : {MATERIAL_CLASS_OPAQUE, MATERIAL_CLASS_TRANSMISSIVE})
+    for (const Model& model : models_of_class(material_class)) {
+      std::vector<BsdfCase> forward, backward;
+      for (int i = 0; i < 1000; ++i) {
+        const Kind kind = material_class == MATERIAL_CLASS_OPAQUE ? Kind::Plastic
+                          : i % 2 == 0                            ? Kind::Thin
+                                                                  : Kind::Solid;
+        BsdfCase c{};
+        c.material = random_material(kind, random);
+        c.material.roughness = static_cast<float>(std::sqrt(random.uniform(0.1, 1)));
+        c.alpha = vec3(-1);
+        c.is_front = random.index(2);
+        c.wo = random.direction();
+        c.wo.z = std::abs(c.wo.z);
+        c.wi = random.direction();
+        if (material_class == MATERIAL_CLASS_OPAQUE) c.wi.z = std::abs(c.wi.z);
+        BsdfCase swapped = c;
+        const float side = c.wi.z < 0 ? -1.0f : 1.0f;
+        swapped.wo = {c.wi.x, c.wi.y, side * c.wi.z};
+        swapped.wi = {c.wo.x, c.wo.y, side * c.wo.z};
+        swapped.is_front = c.wi.z < 0 ? 1 - c.is_front : c.is_front;
+        forward.push_back(c);
+        backward.push_back(swapped);
+      }
+      const gpu::Kernel kernel = create_kernel("bsdf_evaluate", model);
+      const auto there = map_on_device<BsdfEvaluated>(kernel, forward);
+      const auto back = map_on_device<BsdfEvaluated>(kernel, backward);
+      for (size_t i = 0; i < forward.size(); ++i) {
+        const BsdfCase& c = forward[i];
+        const bool refracts = (c.material.flags & MATERIAL_VOLUME) != 0 && c.wi.z < 0;
+        const float eta = c.is_front != 0 ? c.material.ior : 1 / c.material.ior;
+        const double scale = refracts ? eta * eta : 1;
+        const auto compare = [&](double a, double b) {
+          const double error = std::abs(a - b) / std::max({std::abs(a), std::abs(b), 1e-6});
+          worst = std::max(worst, error);
+          EXPECT_LT(error, 2e-4) << describe(c, model);
+        };
+        compare(there[i].value.y * scale, back[i].value.y);
+        compare(there[i].pdf_forward, back[i].pdf_reverse);
+        compare(there[i].pdf_reverse, back[i].pdf_forward);
+      }
+    }
+  std::printf("largest relative difference %.1e (bound 2e-4)\n", worst);
+}
+
+}  // namespace
+}  // namespace regulus::test

@@ -1,0 +1,191 @@
+// The film's fixed-point sums against integers of 128 bits, and the pixel filters against their closed forms.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "interface/wavefront.h"
+#include "support/device.hpp"
+#include "support/random.hpp"
+
+namespace regulus::test_film {
+std::span<const uint32_t> spirv(std::string_view name);
+}
+
+namespace regulus::test {
+namespace {
+
+using namespace interface;
+using Sum = unsigned __int128;
+
+class Film : public testing::Test {
+ protected:
+  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+};
+
+// Sums on the device: values[i] goes to channel i % channels.
+std::vector<Sum> device_sums(const std::vector<float>& values, uint32_t channels) {
+  const gpu::Kernel kernel = create_batch_kernel(test_film::spirv, "film_add", {});
+  const gpu::Buffer in = gpu::upload_new(*device(), values, "values");
+  const gpu::Buffer film = device()->create_buffer(channels * 3 * sizeof(uint32_t), "film");
+  run_batch(kernel, {in.address(), film.address(), static_cast<uint32_t>(values.size()), channels});
+  const auto words = gpu::download_all<uint32_t>(*device(), film, channels * 3);
+  std::vector<Sum> sums;
+  for (uint32_t c = 0; c < channels; ++c)
+    sums.push_back(words[3 * c] | Sum{words[3 * c + 1]} << 32 | Sum{words[3 * c + 2]} << 64);
+  return sums;
+}
+
+// value * 2^40 rounded to the nearest integer, halves up; exact because a float has 24 bits.
+Sum fixed_point(float value) {
+  const double scaled = std::ldexp(static_cast<double>(value), FILM_FRACTION_BITS);
+  if (scaled < 0x1p52) return static_cast<Sum>(std::floor(scaled + 0.5));
+  int exponent = 0;
+  const double mantissa = std::frexp(scaled, &exponent);
+  return static_cast<Sum>(std::ldexp(mantissa, 53)) << (exponent - 53);
+}
+
+std::string text(Sum sum) {
+  char buffer[64];
+  std::snprintf(buffer, sizeof buffer, "0x%llx%016llx", static_cast<unsigned long long>(sum >> 64),
+                static_cast<unsigned long long>(sum));
+  return buffer;
+}
+
+TEST_F(Film, OneValueIsRoundedToTheNearestUnit) {
+  std::vector<float> values = {0.0f, 1.0f, 0.5f, 1e-20f, 1e-13f, 3e-13f, 5e-13f, 0x1p-41f, 0x1.fffffep-42f,
+                               0x1.8p-40f, 0x1p-40f, 255.99998f, 16777215.0f, 4294967296.0f, 1e16f, 1.7e16f};
+  for (int exponent = -66; exponent <= 53; ++exponent)
+    for (const float mantissa : {1.0f, 1.5f, 0x1.fffffep0f, 0x1.000002p0f})
+      values.push_back(std::ldexp(mantissa, exponent));
+  Random random(1);
+  for (int i = 0; i < 4000; ++i) values.push_back(static_cast<float>(random.log_uniform(1e-20, 1.7e16)));
+  const std::vector<Sum> sums = device_sums(values, static_cast<uint32_t>(values.size()));
+  for (size_t i = 0; i < values.size(); ++i)
+    ASSERT_EQ(text(sums[i]), text(fixed_point(values[i]))) << "value " << values[i];
+  std::printf("%zu values exact\n", values.size());
+}
+
+TEST_F(Film, HugeValuesAreCutAndDenormalsDropped) {
+  const std::vector<float> values = {1e30f, 3.4e38f, 1e-44f};
+  const std::vector<Sum> sums = device_sums(values, 3);
+  EXPECT_EQ(text(sums[0]), text(fixed_point(1.8e16f)));
+  EXPECT_EQ(text(sums[1]), text(fixed_point(1.8e16f)));
+  EXPECT_EQ(text(sums[2]), text(0));
+}
+
+TEST_F(Film, CarriesRunThroughAllWords) {
+  // 2^24 - 1 units over and over: the low word overflows every 257th time.
+  const float nearly = std::ldexp(16777215.0f, -40);
+  std::vector<float> values(100'000, nearly);
+  EXPECT_EQ(text(device_sums(values, 1)[0]), text(Sum{100'000} * 16777215u));
+
+  // 2^64 - 1 units exactly, then one unit: both lower words overflow at once, by a carry alone.
+  values.clear();
+  for (const int exponent : {40, 16, -8}) values.push_back(std::ldexp(16777215.0f, exponent - 40));
+  Sum sum = 0;
+  for (const float value : values) sum += fixed_point(value);
+  while (sum < (Sum{1} << 64) - 1) {
+    const Sum missing = (Sum{1} << 64) - 1 - sum;
+    const auto piece = static_cast<double>(static_cast<uint64_t>(std::min<Sum>(missing, 16777215u)));
+    values.push_back(static_cast<float>(std::ldexp(piece, -40)));
+    sum += static_cast<Sum>(piece);
+    ASSERT_LT(values.size(), 1000u);
+  }
+  EXPECT_EQ(text(device_sums(values, 1)[0]), text(sum));
+  values.push_back(0x1p-40f);
+  EXPECT_EQ(text(device_sums(values, 1)[0]), text(Sum{1} << 64));
+}
+
+TEST_F(Film, OrderDoesNotMatterAndSumsAreExact) {
+  constexpr uint32_t CHANNELS = 3;
+  Random random(2);
+  std::vector<float> values;
+  for (int i = 0; i < 60'000; ++i) values.push_back(static_cast<float>(random.log_uniform(1e-14, 1e9)));
+  std::vector<Sum> expected(CHANNELS, 0);
+  for (size_t i = 0; i < values.size(); ++i) expected[i % CHANNELS] += fixed_point(values[i]);
+
+  std::mt19937_64 engine(base_seed());
+  for (int order = 0; order < 3; ++order) {
+    const std::vector<Sum> sums = device_sums(values, CHANNELS);
+    for (uint32_t c = 0; c < CHANNELS; ++c) EXPECT_EQ(text(sums[c]), text(expected[c])) << "order " << order;
+    // Shuffles within the channels.
+    for (size_t i = values.size(); i-- > CHANNELS;)
+      std::swap(values[i], values[engine() % (i / CHANNELS + 1) * CHANNELS + i % CHANNELS]);
+  }
+}
+
+// Offsets of a grid x grid of stratified u.
+std::vector<glm::vec2> filter_offsets(uint32_t filter, int grid, float radius, float sigma) {
+  const gpu::Kernel kernel = create_batch_kernel(test_film::spirv, "film_filter", {{SPEC_FILTER, filter}});
+  std::vector<glm::vec4> inputs;
+  for (int y = 0; y < grid; ++y)
+    for (int x = 0; x < grid; ++x)
+      inputs.emplace_back((static_cast<float>(x) + 0.5f) / static_cast<float>(grid),
+                          (static_cast<float>(y) + 0.5f) / static_cast<float>(grid), radius, sigma);
+  return map_on_device<glm::vec2>(kernel, inputs);
+}
+
+TEST_F(Film, BoxFilterIsUniformOverItsSquare) {
+  constexpr int GRID = 64;
+  for (const float radius : {0.5f, 0.0f, 1.25f}) {
+    const auto offsets = filter_offsets(FILTER_BOX, GRID, radius, 0.5f);
+    for (int i = 0; i < GRID * GRID; ++i) {
+      const glm::dvec2 u((i % GRID + 0.5) / GRID, (i / GRID + 0.5) / GRID);
+      ASSERT_NEAR(offsets[i].x, (2 * u.x - 1) * radius, 1.2e-7 * radius);
+      ASSERT_NEAR(offsets[i].y, (2 * u.y - 1) * radius, 1.2e-7 * radius);
+    }
+  }
+}
+
+// The distribution function at the offset must give u back: (erf(x / (sigma sqrt 2)) / erf(r / (sigma sqrt 2)) + 1) / 2.
+// Numbers u of the renderer have 24 bits; an error of 1e-6 in u is a sixteenth of a thousandth of a pixel at the
+// filter's centre. At the rim the density is exp(-4.5) of the centre's, so the offset may be off more, the share not.
+TEST_F(Film, GaussianFilterInvertsItsDistribution) {
+  constexpr int GRID = 128;
+  constexpr double BOUND = 1e-6;
+  const struct {
+    float radius, sigma;
+  } filters[] = {{1.5f, 0.5f}, {1.0f, 0.5f}, {3.0f, 1.0f}, {1.5f, 5.0f}};
+  for (const auto& filter : filters) {
+    const auto offsets = filter_offsets(FILTER_GAUSSIAN, GRID, filter.radius, filter.sigma);
+    const double scale = filter.sigma * std::sqrt(2.0), inside = std::erf(filter.radius / scale);
+    double worst = 0, furthest = 0;
+    for (int i = 0; i < GRID * GRID; ++i) {
+      const double u[] = {(i % GRID + 0.5) / GRID, (i / GRID + 0.5) / GRID};
+      for (int axis = 0; axis < 2; ++axis) {
+        const double share = (std::erf(offsets[i][axis] / scale) / inside + 1) / 2;
+        worst = std::max(worst, std::abs(share - u[axis]));
+        furthest = std::max(furthest, std::abs(double{offsets[i][axis]}));
+      }
+    }
+    std::printf("radius %g sigma %g: worst error of the distribution %.3g (bound %.1g), furthest offset %g\n",
+                filter.radius, filter.sigma, worst, BOUND, furthest);
+    EXPECT_LE(worst, BOUND);
+    EXPECT_LE(furthest, filter.radius);
+  }
+}
+
+// Second and fourth moments of a Gaussian cut at a = radius / sigma, in units of sigma. With m0 = erf(a / sqrt 2) and
+// q = 2 a phi(a): m2 = m0 - q, m4 = 3 m2 - a^2 q. Midpoints of GRID strata of u carry an error below 2 / GRID^2 in m2
+// (the integrand x(u)^2 has a slope that is steepest, not infinite, at the cut).
+TEST_F(Film, GaussianFilterHasTheMomentsOfTheCutGaussian) {
+  constexpr int GRID = 512;
+  constexpr double SIGMA = 0.5, RADIUS = 1.5, A = RADIUS / SIGMA;
+  const double m0 = std::erf(A / std::sqrt(2.0)), q = 2 * A * std::exp(-A * A / 2) / std::sqrt(2 * M_PI);
+  const double m2 = (m0 - q) / m0, m4 = (3 * (m0 - q) - A * A * q) / m0;
+  double sums[5] = {};
+  const auto offsets = filter_offsets(FILTER_GAUSSIAN, GRID, RADIUS, SIGMA);
+  for (const glm::vec2& offset : offsets)
+    for (int power = 1; power <= 4; ++power)
+      sums[power] += std::pow(offset.x / SIGMA, power) / static_cast<double>(offsets.size());
+  std::printf("moments %.2g, %.6f (%.6f), %.2g, %.6f (%.6f)\n", sums[1], sums[2], m2, sums[3], sums[4], m4);
+  EXPECT_NEAR(sums[1], 0, 1e-5);
+  EXPECT_NEAR(sums[2], m2, 1e-4);
+  EXPECT_NEAR(sums[3], 0, 1e-4);
+  EXPECT_NEAR(sums[4], m4, 2e-3);
+}
+
+}  // namespace
+}  // namespace regulus::test
