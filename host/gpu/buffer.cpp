@@ -39,10 +39,11 @@ uint64_t Buffer::address() const {
   return impl ? impl->address : 0;
 }
 
-void Buffer::Impl::check_range(uint64_t offset, uint64_t bytes) const {
-  if (offset > size || bytes > size - offset)
-    throw std::logic_error(
-        fmt::format("bytes {} + {} lie outside buffer {} of {} bytes", offset, bytes, name, size));
+vk::Buffer checked_range(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
+  if (offset > buffer.size() || bytes > buffer.size() - offset)
+    throw std::logic_error(fmt::format("bytes {} + {} lie outside buffer {} of {} bytes", offset, bytes,
+                                       buffer.impl ? buffer.impl->name : "(empty)", buffer.size()));
+  return buffer.impl ? *buffer.impl->allocation.buffer : vk::Buffer();
 }
 
 Buffer Device::create_buffer(uint64_t bytes, std::string_view name) {
@@ -64,13 +65,12 @@ Buffer Device::create_buffer(uint64_t bytes, std::string_view name) {
 
 void Device::upload(const Buffer& buffer, uint64_t offset, std::span<const std::byte> data) {
   if (data.empty()) return;
-  buffer.impl->check_range(offset, data.size());
+  const vk::Buffer target = checked_range(buffer, offset, data.size());
   std::byte* staging = staging_memory(*impl->state);
   for_each_piece(data.size(), [&](uint64_t done, uint64_t bytes) {
     std::memcpy(staging, data.data() + done, bytes);
     CommandList commands(*this);
-    commands.impl->copy(*impl->state->staging.buffer, 0, *buffer.impl->allocation.buffer, offset + done,
-                        bytes);
+    commands.impl->copy(*impl->state->staging.buffer, 0, target, offset + done, bytes);
     Submission submission = submit(std::move(commands));
     wait(submission);
   });
@@ -78,12 +78,11 @@ void Device::upload(const Buffer& buffer, uint64_t offset, std::span<const std::
 
 void Device::download(const Buffer& buffer, uint64_t offset, std::span<std::byte> data) {
   if (data.empty()) return;
-  buffer.impl->check_range(offset, data.size());
+  const vk::Buffer source = checked_range(buffer, offset, data.size());
   const std::byte* staging = staging_memory(*impl->state);
   for_each_piece(data.size(), [&](uint64_t done, uint64_t bytes) {
     CommandList commands(*this);
-    commands.impl->copy(*buffer.impl->allocation.buffer, offset + done, *impl->state->staging.buffer, 0,
-                        bytes);
+    commands.impl->copy(source, offset + done, *impl->state->staging.buffer, 0, bytes);
     commands.impl->publish_to_host();
     Submission submission = submit(std::move(commands));
     wait(submission);

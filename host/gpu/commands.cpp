@@ -126,27 +126,26 @@ void CommandList::dispatch(const Kernel& kernel, std::span<const std::byte> push
 void CommandList::dispatch_indirect(const Kernel& kernel, std::span<const std::byte> push_constants,
                                     const Buffer& buffer, uint64_t offset) {
   check_words(offset, "indirect offset");
-  buffer.impl->check_range(offset, sizeof(vk::DispatchIndirectCommand));
+  const vk::Buffer arguments = checked_range(buffer, offset, sizeof(vk::DispatchIndirectCommand));
   impl->begin_dispatch(kernel, push_constants);
-  impl->recording->commands.dispatchIndirect(*buffer.impl->allocation.buffer, offset);
+  impl->recording->commands.dispatchIndirect(arguments, offset);
   impl->end_dispatch(kernel);
 }
 
 void CommandList::fill(const Buffer& buffer, uint64_t offset, uint64_t bytes, uint32_t word) {
   if (bytes == 0) return;
   check_words(offset, "fill offset");
-  buffer.impl->check_range(offset, bytes);
+  const vk::Buffer target = checked_range(buffer, offset, bytes);
   impl->begin_transfer();
   // The memory of a buffer is padded to whole words.
-  impl->recording->commands.fillBuffer(*buffer.impl->allocation.buffer, offset, whole_words(bytes), word);
+  impl->recording->commands.fillBuffer(target, offset, whole_words(bytes), word);
 }
 
 void CommandList::copy(const Buffer& from, uint64_t from_offset, const Buffer& to, uint64_t to_offset,
                        uint64_t bytes) {
   if (bytes == 0) return;
-  from.impl->check_range(from_offset, bytes);
-  to.impl->check_range(to_offset, bytes);
-  impl->copy(*from.impl->allocation.buffer, from_offset, *to.impl->allocation.buffer, to_offset, bytes);
+  impl->copy(checked_range(from, from_offset, bytes), from_offset, checked_range(to, to_offset, bytes),
+             to_offset, bytes);
 }
 
 void CommandList::independent() {

@@ -44,9 +44,9 @@ vk::raii::Pipeline compile_cached(DeviceState& state, const KernelDescription& d
   const vk::raii::PipelineCache cache(state.device,
                                       vk::PipelineCacheCreateInfo({}, known.size(), known.data()));
   vk::raii::Pipeline pipeline = compile(state, description, cache);
-  const std::vector<uint8_t> data = cache.getData();
-  if (data.size() != known.size()) {
-    file.store(std::as_bytes(std::span(data)));
+  // Not whenever the driver's data has changed: SwiftShader's grows by one header each time it is read.
+  if (known.empty()) {
+    file.store(std::as_bytes(std::span<const uint8_t>(cache.getData())));
     state.has_new_pipelines = true;
   }
   return pipeline;

@@ -89,9 +89,10 @@ struct Buffer::Impl {
   Allocation allocation;
 
   ~Impl() { state->release(allocation); }
-  /// Throws std::logic_error unless [offset, offset + bytes) lies inside.
-  void check_range(uint64_t offset, uint64_t bytes) const;
 };
+
+/// The Vulkan buffer; throws std::logic_error unless bytes [offset, offset + bytes) lie inside.
+vk::Buffer checked_range(const Buffer& buffer, uint64_t offset, uint64_t bytes);
 
 struct Kernel::Impl {
   std::shared_ptr<DeviceState> state;

@@ -1,6 +1,8 @@
 // Handing command lists to the device, waiting for them, and what happens if the device is lost.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "gpu/faults.hpp"
 #include "gpu/limits.hpp"

@@ -107,6 +107,34 @@ TEST(GpuDevices, UnknownNameIsNoDevice) {
   EXPECT_TRUE(contains(message, list_devices().front().name)) << message;
 }
 
+/// Sets an environment variable for as long as it lives.
+class ScopedVariable {
+ public:
+  ScopedVariable(const char* name, const std::string& value) : name_(name) {
+    if (const char* old = std::getenv(name)) old_ = old;
+    ::setenv(name, value.c_str(), 1);
+  }
+  ~ScopedVariable() {
+    if (old_)
+      ::setenv(name_, old_->c_str(), 1);
+    else
+      ::unsetenv(name_);
+  }
+  ScopedVariable(const ScopedVariable&) = delete;
+  ScopedVariable& operator=(const ScopedVariable&) = delete;
+
+ private:
+  const char* name_;
+  std::optional<std::string> old_;
+};
+
+TEST(GpuDevices, AreNoneWithoutADriver) {
+  const ScopedVariable none("VK_DRIVER_FILES", "/nonexistent/driver.json");
+  EXPECT_TRUE(list_devices().empty());
+  const std::string message = error_of(ExitStatus::NoDevice, [] { Device device(UNCACHED); });
+  EXPECT_TRUE(contains(message, "no Vulkan device")) << message;
+}
+
 TEST_F(GpuDevice, CopiesAnySizeToAnyOffsetAndNothingElse) {
   constexpr size_t STAGING = size_t{16} << 20;
   std::mt19937 random(20240501);
@@ -152,6 +180,7 @@ TEST_F(GpuDevice, RangesOutsideABufferAreRefused) {
   Buffer buffer = device.create_buffer(16, "small");
   std::vector<std::byte> data(8);
   EXPECT_THROW(device.upload(buffer, 9, data), std::logic_error);
+  EXPECT_THROW(device.upload(Buffer(), 0, data), std::logic_error);
   EXPECT_THROW(device.download(buffer, ~uint64_t{0}, data), std::logic_error);
   CommandList commands(device);
   EXPECT_THROW(commands.fill(buffer, 12, 8, 0), std::logic_error);
@@ -404,17 +433,7 @@ TEST_F(GpuDevice, LossAtSubmissionNamesItsStages) {
 /// A cache folder of the test's own, in place of the user's.
 class GpuDeviceCache : public testing::Test {
  protected:
-  void SetUp() override {
-    if (const char* cache = std::getenv("XDG_CACHE_HOME")) users = cache;
-    ::setenv("XDG_CACHE_HOME", folder.c_str(), 1);
-  }
-  void TearDown() override {
-    if (users.empty())
-      ::unsetenv("XDG_CACHE_HOME");
-    else
-      ::setenv("XDG_CACHE_HOME", users.c_str(), 1);
-    fs::remove_all(folder);
-  }
+  void TearDown() override { fs::remove_all(folder); }
 
   /// Opens a device, compiles the probe and checks that it computes.
   static void compile_and_run() {
@@ -435,9 +454,9 @@ class GpuDeviceCache : public testing::Test {
     return found;
   }
 
-  std::string users;
   const fs::path folder =
       fs::temp_directory_path() / ("regulus_device_cache_test_" + std::to_string(::getpid()));
+  const ScopedVariable users_cache{"XDG_CACHE_HOME", folder};
 };
 
 TEST_F(GpuDeviceCache, IsWrittenOnceAndUsedAgain) {
