@@ -1,0 +1,200 @@
+#include "cli/bench_kernels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "base/error.hpp"
+#include "cli/bench_geometry.hpp"
+#include "cli/bench_rays.hpp"
+#include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+
+namespace regulus::bench_shaders {
+std::span<const uint32_t> spirv(std::string_view name);
+}
+
+namespace regulus::cli {
+
+namespace {
+
+constexpr uint32_t FILM_WIDTH = 512;
+constexpr uint32_t FILM_HEIGHT = 256;
+
+struct Measurement {
+  std::string scene, rays, query;
+  double mrays_per_s = 0, embree_mrays_per_s = 0;
+  double ratio() const { return mrays_per_s / embree_mrays_per_s; }
+};
+
+template <typename Work>
+double seconds_of(const Work& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double median(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
+                   values.end());
+  return values[values.size() / 2];
+}
+
+/// Both query kernels on a device.
+class QueryKernels {
+ public:
+  explicit QueryKernels(gpu::Device& device)
+      : device_(device), closest_(create("bench_closest")), any_(create("bench_any")) {}
+
+  const gpu::Kernel& closest() const { return closest_; }
+  const gpu::Kernel& any() const { return any_; }
+
+  void run(const gpu::Kernel& kernel, const interface::BenchArguments& arguments) {
+    gpu::CommandList commands(device_);
+    const uint32_t groups = (arguments.ray_count + interface::WORKGROUP_SIZE - 1) / interface::WORKGROUP_SIZE;
+    commands.dispatch(kernel, gpu::bytes_of(arguments), groups);
+    gpu::Submission submission = device_.submit(std::move(commands));
+    device_.wait(submission);
+  }
+
+ private:
+  gpu::Kernel create(const std::string& name) {
+    const std::string variant = device_.info().has_int64 ? name : name + ".int32";
+    return device_.create_kernel({name, bench_shaders::spirv(variant), {}});
+  }
+
+  gpu::Device& device_;
+  gpu::Kernel closest_, any_;
+};
+
+/// A scene on the device and in Embree.
+class SceneBench {
+ public:
+  SceneBench(gpu::Device& device, QueryKernels& kernels, const BenchScene& scene, uint32_t repeats)
+      : device_(device), kernels_(kernels), name_(scene.name), repeats_(repeats), embree_(scene.triangles) {
+    const bvh::Bvh bvh = bvh::build(scene.triangles);
+    nodes_ = gpu::upload_new(device, bvh.nodes, "bvh nodes");
+    triangles_ = gpu::upload_new(device, bvh.triangles, "bvh triangles");
+    overruns_ = device.create_buffer(sizeof(uint32_t), "overruns");
+    rays_ = make_bench_rays(scene, embree_, FILM_WIDTH, FILM_HEIGHT);
+  }
+
+  std::vector<Measurement> run() {
+    std::vector<Measurement> results;
+    const std::pair<const char*, const std::vector<interface::BenchRay>*> kinds[] = {
+        {"primary", &rays_.primary}, {"diffuse", &rays_.diffuse}, {"shadow", &rays_.shadow}};
+    for (const auto& [kind, rays] : kinds) {
+      if (rays->empty()) throw Error(ExitStatus::BadFile, fmt::format("{}: its camera sees nothing", name_));
+      results.push_back(measure(kind, *rays, false));
+      results.push_back(measure(kind, *rays, true));
+    }
+    const uint32_t overruns = gpu::download_all<uint32_t>(device_, overruns_, 1)[0];
+    if (overruns > 0) fmt::print(stderr, "warning: {}: {} rays were given up\n", name_, overruns);
+    return results;
+  }
+
+ private:
+  /// Device and Embree in turns, after one run of each to warm up.
+  Measurement measure(const std::string& kind, const std::vector<interface::BenchRay>& rays, bool is_any) {
+    const auto address = [](const gpu::Buffer& buffer) {
+      return interface::device_address(buffer.address());
+    };
+    const gpu::Buffer ray_buffer = gpu::upload_new(device_, rays, "rays");
+    const gpu::Buffer results = device_.create_buffer(rays.size() * sizeof(interface::Hit), "results");
+    const interface::BenchArguments arguments {
+      address(nodes_), address(triangles_), address(ray_buffer), address(results), address(overruns_),
+          static_cast<uint32_t>(rays.size())
+    };
+    std::vector<interface::Hit> hits(rays.size());
+    std::vector<uint32_t> is_hit(rays.size());
+    const auto trace_embree = [&] {
+      is_any ? embree_.trace_any(rays, is_hit) : embree_.trace_closest(rays, hits);
+    };
+    const auto trace_device = [&] { kernels_.run(is_any ? kernels_.any() : kernels_.closest(), arguments); };
+
+    trace_embree();
+    trace_device();
+    std::vector<double> embree_seconds, device_seconds;
+    for (uint32_t i = 0; i < repeats_; ++i) {
+      embree_seconds.push_back(seconds_of(trace_embree));
+      device_seconds.push_back(seconds_of(trace_device));
+    }
+    const double millions = 1e-6 * static_cast<double>(rays.size());
+    return {name_, kind, is_any ? "any" : "closest", millions / median(device_seconds),
+            millions / median(embree_seconds)};
+  }
+
+  gpu::Device& device_;
+  QueryKernels& kernels_;
+  std::string name_;
+  uint32_t repeats_;
+  EmbreeScene embree_;
+  gpu::Buffer nodes_, triangles_, overruns_;
+  BenchRays rays_;
+};
+
+void print_row(const Measurement& m) {
+  fmt::print("{:<20} {:<8} {:<8} {:>8.3f} {:>8.3f} {:>6.2f}\n", m.scene, m.rays, m.query, m.mrays_per_s,
+             m.embree_mrays_per_s, m.ratio());
+  std::fflush(stdout);
+}
+
+void write_json(const std::filesystem::path& path, const std::vector<Measurement>& measurements) {
+  nlohmann::json array = nlohmann::json::array();
+  for (const Measurement& m : measurements)
+    array.push_back({{"scene", m.scene},
+                     {"rays", m.rays},
+                     {"query", m.query},
+                     {"mrays_per_s", m.mrays_per_s},
+                     {"embree_mrays_per_s", m.embree_mrays_per_s},
+                     {"ratio", m.ratio()}});
+  std::ofstream file(path);
+  file << array.dump(2) << '\n';
+  if (!file.flush())
+    throw Error(ExitStatus::Failed,
+                fmt::format("{}: cannot be written; choose another --json", path.string()));
+}
+
+}  // namespace
+
+int run_bench_kernels(const BenchKernelsOptions& options) {
+  gpu::DeviceOptions device_options;
+  device_options.select = options.device;
+  gpu::Device device(device_options);
+  QueryKernels kernels(device);
+  std::vector<BenchScene> scenes = procedural_bench_scenes();
+  for (const std::filesystem::path& path : options.scenes) scenes.push_back(load_bench_scene(path));
+
+  fmt::print("device: {}\n{:<20} {:<8} {:<8} {:>8} {:>8} {:>6}   (million rays per second)\n",
+             device.info().name, "scene", "rays", "query", "device", "Embree", "ratio");
+  std::vector<Measurement> measurements;
+  for (const BenchScene& scene : scenes) {
+    for (const Measurement& measurement : SceneBench(device, kernels, scene, options.repeats).run()) {
+      print_row(measurement);
+      measurements.push_back(measurement);
+    }
+  }
+  if (!options.json.empty()) write_json(options.json, measurements);
+  return 0;
+}
+
+void add_bench_command(CLI::App& app) {
+  CLI::App* bench = app.add_subcommand("bench", "Measure speed");
+  bench->require_subcommand(1);
+  CLI::App* kernels =
+      bench->add_subcommand("kernels", "Rays per second of the traversal kernels, beside Embree");
+  const auto options = std::make_shared<BenchKernelsOptions>();
+  kernels->add_option("SCENE", options->scenes, "glTF files to measure besides the procedural scenes");
+  kernels->add_option("--json", options->json, "Write the results as a JSON array");
+  kernels->add_option("--device", options->device, "Index or part of the name of the Vulkan device");
+  kernels->add_option("--repeats", options->repeats, "Measurements of each query; their median counts")
+      ->check(CLI::Range(1, 1000));
+  kernels->callback([options] { run_bench_kernels(*options); });
+}
+
+}  // namespace regulus::cli
