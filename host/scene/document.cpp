@@ -113,12 +113,12 @@ void warn_of_ignored_parts(Document& document) {
   if (document.json.contains("animations")) document.warn("animations are not read: rest pose");
 }
 
-tinygltf::Model to_model(json reduced, const std::filesystem::path& file) {
+tinygltf::Model to_model(json reduced, const Document& document) {
   // Buffers and images are read by Files, under our own rules of which paths may be opened.
   reduced.erase("buffers");
   reduced.erase("images");
   const std::string text = reduced.dump();
-  if (text.size() > 0xFFFFFFFFu) fail(file, "more than 4 GiB of JSON cannot be read; use a .glb");
+  if (text.size() > 0xFFFFFFFFu) document.fail("more than 4 GiB of JSON cannot be read; use a .glb");
 
   tinygltf::TinyGLTF parser;
   tinygltf::Model model;
@@ -128,7 +128,10 @@ tinygltf::Model to_model(json reduced, const std::filesystem::path& file) {
   // tinygltf skips primitives it cannot parse and still succeeds, but then it has left an error.
   if (!parsed || !errors.empty()) {
     const std::string first_line = errors.substr(0, errors.find('\n'));
-    fail(file, fmt::format("invalid glTF: {}", first_line.empty() ? "unknown problem" : first_line));
+    // Most often a compressed mesh without plain accessors beside it.
+    const std::string hint = document.warnings.empty() ? "" : " (" + document.warnings.front() + ")";
+    document.fail(fmt::format("invalid glTF: {}{}; export the file again",
+                              first_line.empty() ? "unknown problem" : first_line, hint));
   }
   return model;
 }
@@ -185,7 +188,7 @@ Document open_document(const std::filesystem::path& path, bool allow_external) {
   check_and_reduce(reduced, path);
   read_buffers(document, reduced, container.binary);
   document.images = reduced.value("images", json::array());
-  document.model = to_model(std::move(reduced), path);
+  document.model = to_model(std::move(reduced), document);
   return document;
 }
 

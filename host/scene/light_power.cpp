@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <utility>
 
 #include "scene/texture.hpp"
 
@@ -10,8 +11,9 @@ namespace regulus::scene {
 namespace {
 
 constexpr double PI = glm::pi<double>();
-constexpr int SAMPLES_PER_EDGE = 8;  // 8 * 8 sub-triangles
-constexpr int64_t MAX_TEXELS_SEARCHED = 1 << 16;
+constexpr int SAMPLES_PER_EDGE = 8;    // 8 * 8 sub-triangles
+constexpr uint32_t BLOCK = 16;         // texels a side of a block of BlockMaxima
+constexpr uint64_t MAX_BLOCKS = 1024;  // looked at per triangle; beyond, the whole texture's maximum serves
 // A triangle whose samples miss its bright texels is still chosen with this share of its brightest texel.
 constexpr double MIN_SHARE_OF_BRIGHTEST = 1e-3;
 
@@ -20,17 +22,9 @@ double luminance(const glm::dvec3& color) {
   return 0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b;
 }
 
-struct TriangleUv {
-  glm::vec2 uv[3];
-};
-
-TriangleUv triangle_uv(const Scene& scene, const interface::Triangle& triangle) {
-  return {{scene.vertices[triangle.v0].uv, scene.vertices[triangle.v1].uv, scene.vertices[triangle.v2].uv}};
-}
-
 /// Average at the centroids of SAMPLES_PER_EDGE^2 equal sub-triangles.
 glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture,
-                           const TriangleUv& triangle) {
+                           const glm::vec2 (&corner)[3]) {
   glm::dvec3 sum(0);
   for (int row = 0; row < SAMPLES_PER_EDGE; ++row)
     for (int column = 0; column < SAMPLES_PER_EDGE - row; ++column)
@@ -38,30 +32,18 @@ glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture
         const float offset = inverted != 0 ? 2.0f / 3.0f : 1.0f / 3.0f;
         const float u = (static_cast<float>(column) + offset) / SAMPLES_PER_EDGE;
         const float v = (static_cast<float>(row) + offset) / SAMPLES_PER_EDGE;
-        const glm::vec2 uv = (1 - u - v) * triangle.uv[0] + u * triangle.uv[1] + v * triangle.uv[2];
+        const glm::vec2 uv = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
         sum += glm::dvec3(sample_texture(scene, texture, uv));
       }
   return sum / static_cast<double>(SAMPLES_PER_EDGE * SAMPLES_PER_EDGE);
 }
 
-/// Brightest luminance after `factor` of the texels in the triangle's uv bounds; of white if there are too
-/// many to look at.
-double brightest_texel(const Scene& scene, const interface::Texture& texture, const TriangleUv& triangle,
-                       const glm::dvec3& factor) {
-  const glm::dvec2 size(texture.width, texture.height);
-  const glm::dvec2 low =
-      glm::floor(glm::dvec2(glm::min(triangle.uv[0], glm::min(triangle.uv[1], triangle.uv[2]))) * size) - 1.0;
-  const glm::dvec2 high =
-      glm::floor(glm::dvec2(glm::max(triangle.uv[0], glm::max(triangle.uv[1], triangle.uv[2]))) * size) + 1.0;
-  const glm::dvec2 span = high - low + 1.0;
-  if (span.x * span.y > static_cast<double>(MAX_TEXELS_SEARCHED) ||
-      glm::any(glm::greaterThan(glm::abs(low), glm::dvec2(1e9))))
-    return luminance(factor);
-  double brightest = 0;
-  for (int64_t y = static_cast<int64_t>(low.y); y <= static_cast<int64_t>(high.y); ++y)
-    for (int64_t x = static_cast<int64_t>(low.x); x <= static_cast<int64_t>(high.x); ++x)
-      brightest = std::max(brightest, luminance(factor * glm::dvec3(texel(scene, texture, x, y))));
-  return brightest;
+/// Blocks that the texels low - 1 .. high + 1 of one axis touch; all of them if the range wraps around.
+std::pair<uint32_t, uint32_t> block_range(float low, float high, uint32_t size) {
+  const double first = std::floor(static_cast<double>(low) * size) - 1;
+  const double last = std::floor(static_cast<double>(high) * size) + 1;
+  if (!(first >= 0) || !(last < size)) return {0u, (size - 1) / BLOCK};
+  return {static_cast<uint32_t>(first) / BLOCK, static_cast<uint32_t>(last) / BLOCK};
 }
 
 /// Integral of the spot's falloff over directions: glTF's clamp((c - c_o) / (c_i - c_o))^2, so
@@ -92,16 +74,51 @@ double triangle_area(const Scene& scene, const interface::Triangle& triangle) {
   return 0.5 * glm::length(glm::cross(p1 - p0, p2 - p0));
 }
 
-double triangle_power(const Scene& scene, const interface::Triangle& triangle, double area) {
-  const interface::Material& material = scene.materials[triangle.material];
+const TrianglePower::BlockMaxima& TrianglePower::block_maxima(uint32_t texture_index) {
+  const auto [entry, is_new] = maxima_.try_emplace(texture_index);
+  BlockMaxima& blocks = entry->second;
+  if (!is_new) return blocks;
+  const interface::Texture& texture = scene_.textures[texture_index];
+  blocks.columns = (texture.width - 1) / BLOCK + 1;
+  blocks.rows = (texture.height - 1) / BLOCK + 1;
+  blocks.maximum.assign(static_cast<size_t>(blocks.columns) * blocks.rows, glm::vec3(0));
+  for (uint32_t y = 0; y < texture.height; ++y)
+    for (uint32_t x = 0; x < texture.width; ++x) {
+      glm::vec3& maximum = blocks.maximum[static_cast<size_t>(y / BLOCK) * blocks.columns + x / BLOCK];
+      maximum = glm::max(maximum, glm::vec3(texel(scene_, texture, x, y)));
+      blocks.overall = glm::max(blocks.overall, maximum);
+    }
+  return blocks;
+}
+
+glm::vec3 TrianglePower::brightest(uint32_t texture_index, const glm::vec2& uv_min, const glm::vec2& uv_max) {
+  const interface::Texture& texture = scene_.textures[texture_index];
+  const BlockMaxima& blocks = block_maxima(texture_index);
+  const auto [first_column, last_column] = block_range(uv_min.x, uv_max.x, texture.width);
+  const auto [first_row, last_row] = block_range(uv_min.y, uv_max.y, texture.height);
+  if (uint64_t{last_column - first_column + 1} * (last_row - first_row + 1) > MAX_BLOCKS)
+    return blocks.overall;
+  glm::vec3 maximum(0);
+  for (uint32_t row = first_row; row <= last_row; ++row)
+    for (uint32_t column = first_column; column <= last_column; ++column)
+      maximum = glm::max(maximum, blocks.maximum[static_cast<size_t>(row) * blocks.columns + column]);
+  return maximum;
+}
+
+double TrianglePower::operator()(const interface::Triangle& triangle, double area) {
+  const interface::Material& material = scene_.materials[triangle.material];
   const glm::dvec3 factor(material.emission);
   double radiance = luminance(factor);
-  if (material.emissive_texture != interface::INVALID_INDEX && radiance > 0) {
-    const interface::Texture& texture = scene.textures[material.emissive_texture];
-    const TriangleUv uv = triangle_uv(scene, triangle);
-    radiance = luminance(factor * average_texture(scene, texture, uv));
-    const double brightest = brightest_texel(scene, texture, uv, factor);
-    radiance = std::max(radiance, MIN_SHARE_OF_BRIGHTEST * brightest);
+  if (material.emissive_texture != interface::INVALID_INDEX) {
+    const glm::vec2 uv[3] = {scene_.vertices[triangle.v0].uv, scene_.vertices[triangle.v1].uv,
+                             scene_.vertices[triangle.v2].uv};
+    const glm::dvec3 largest(brightest(material.emissive_texture, glm::min(uv[0], glm::min(uv[1], uv[2])),
+                                       glm::max(uv[0], glm::max(uv[1], uv[2]))));
+    radiance = MIN_SHARE_OF_BRIGHTEST * luminance(factor * largest);
+    if (radiance > 0)
+      radiance = std::max(
+          radiance,
+          luminance(factor * average_texture(scene_, scene_.textures[material.emissive_texture], uv)));
   }
   const double sides = (material.flags & interface::MATERIAL_DOUBLE_SIDED) != 0 ? 2 : 1;
   return PI * area * radiance * sides;

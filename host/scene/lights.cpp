@@ -53,12 +53,13 @@ void build_lights(Scene& scene) {
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   for (const interface::Light& light : scene.lights)
     if (light.kind != interface::LIGHT_TRIANGLE) list.add(light, punctual_power(light, scene_radius));
+  TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];
     triangle.light = interface::INVALID_INDEX;
     if ((scene.materials[triangle.material].flags & interface::MATERIAL_EMISSIVE) == 0) continue;
     const double area = triangle_area(scene, triangle);
-    triangle.light = list.add(triangle_light(scene, i, area), triangle_power(scene, triangle, area));
+    triangle.light = list.add(triangle_light(scene, i, area), triangle_power(triangle, area));
   }
   list.move_to(scene);
 }

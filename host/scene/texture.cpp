@@ -53,11 +53,12 @@ void append_texels(const Code* codes, uint64_t count, TextureContent content, st
   const uint32_t maximum = static_cast<Code>(~Code{0});
   const std::vector<uint16_t> linear = decoding_table(maximum, false);
   const std::vector<uint16_t> color = decoding_table(maximum, content == TextureContent::Color);
-  texels.reserve(texels.size() + 2 * count);
+  const size_t first = texels.size();
+  texels.resize(first + 2 * count);
   for (uint64_t i = 0; i < count; ++i) {
     const Code* rgba = codes + 4 * i;
-    texels.push_back(color[rgba[0]] | static_cast<uint32_t>(color[rgba[1]]) << 16);
-    texels.push_back(color[rgba[2]] | static_cast<uint32_t>(linear[rgba[3]]) << 16);
+    texels[first + 2 * i] = color[rgba[0]] | static_cast<uint32_t>(color[rgba[1]]) << 16;
+    texels[first + 2 * i + 1] = color[rgba[2]] | static_cast<uint32_t>(linear[rgba[3]]) << 16;
   }
 }
 
