@@ -1,0 +1,110 @@
+// Corrupt OpenEXR files: an error of status BadFile or, where the damage cannot be seen, an image of the size
+// that the header claims; never another exception, and never memory out of proportion to the file.
+#include <sys/resource.h>
+
+#include <cstring>
+
+#include "image_files.hpp"
+#include "support/random.hpp"
+
+namespace regulus::test {
+namespace {
+
+enum class Outcome { Refused, Read };
+
+/// Reads the bytes as a file; anything but an image or a BadFile error fails the test.
+Outcome read(const TemporaryFolder& folder, const std::string& bytes, const std::string& what) {
+  std::filesystem::remove(folder / "hostile.exr");  // some file systems flush a file that is overwritten
+  write_bytes(folder / "hostile.exr", bytes);
+  try {
+    const image::Image image = image::read_exr(folder / "hostile.exr");
+    EXPECT_EQ(image.rgb.size(), size_t{3} * image.width * image.height) << what;
+    return Outcome::Read;
+  } catch (const Error& error) {
+    EXPECT_EQ(error.status(), ExitStatus::BadFile) << what << ": " << error.what();
+    EXPECT_NE(std::string(error.what()).find("hostile.exr"), std::string::npos) << what;
+  }
+  return Outcome::Refused;
+}
+
+std::string valid_file(const TemporaryFolder& folder) {
+  Random random(2);
+  const image::Image image = make_image(40, 50, [&](size_t) { return static_cast<float>(random.uniform()); });
+  image::write_exr(folder / "valid.exr", image, {{"regulus:seed", "1"}}, {{"Z", std::vector<float>(2000)}});
+  return read_bytes(folder / "valid.exr");
+}
+
+uint64_t host_peak_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+TEST(HostileExr, EveryTruncationIsRefused) {
+  const TemporaryFolder folder;
+  const std::string bytes = valid_file(folder);
+  for (size_t length = 0; length < bytes.size(); length += length < 600 ? 3 : 211)
+    EXPECT_EQ(read(folder, bytes.substr(0, length), "length " + std::to_string(length)), Outcome::Refused);
+  EXPECT_EQ(read(folder, bytes, "whole"), Outcome::Read);
+}
+
+TEST(HostileExr, GarbageIsRefused) {
+  const TemporaryFolder folder;
+  const std::string magic = valid_file(folder).substr(0, 8);
+  Random random(3);
+  for (int trial = 0; trial < 60; ++trial) {
+    std::string bytes(random.index(4000), '\0');
+    for (char& byte : bytes) byte = static_cast<char>(random.index(256));
+    EXPECT_EQ(read(folder, bytes, "garbage"), Outcome::Refused);
+    EXPECT_EQ(read(folder, magic + bytes, "garbage after the magic number"), Outcome::Refused);
+  }
+}
+
+TEST(HostileExr, ChangedBytesNeverCrash) {
+  const TemporaryFolder folder;
+  const std::string bytes = valid_file(folder);
+  Random random(4);
+  size_t refused = 0;
+  constexpr int TRIALS = 1000;
+  for (int trial = 0; trial < TRIALS; ++trial) {
+    std::string damaged = bytes;
+    const uint32_t changes = 1 + random.index(4);
+    for (uint32_t k = 0; k < changes; ++k) {
+      // Half of the changes hit the header and the line offset table, where they do most harm.
+      const auto range = static_cast<uint32_t>(random.uniform() < 0.5 ? 600 : bytes.size());
+      damaged[random.index(range)] = static_cast<char>(random.index(256));
+    }
+    refused += read(folder, damaged, "trial " + std::to_string(trial)) == Outcome::Refused;
+  }
+  std::printf("refused %zu of %d\n", refused, TRIALS);
+  EXPECT_GT(refused, 0u);
+  EXPECT_LT(host_peak_bytes(), uint64_t{2} << 30) << "a header made the reader allocate";
+}
+
+/// Overwrites the data window of a file of ours.
+std::string with_window(std::string bytes, const std::array<int32_t, 4>& window) {
+  const std::string key("dataWindow\0box2i\0", 17);
+  const size_t at = bytes.find(key) + key.size() + 4;
+  std::memcpy(&bytes[at], window.data(), sizeof window);
+  return bytes;
+}
+
+TEST(HostileExr, HugeWindowsAreRefusedBeforeAllocation) {
+  const TemporaryFolder folder;
+  const std::string bytes = valid_file(folder);
+  constexpr int32_t LARGEST = std::numeric_limits<int32_t>::max();
+  const uint64_t before = host_peak_bytes();
+  for (const std::array<int32_t, 4>& window : {std::array<int32_t, 4>{0, 0, LARGEST, LARGEST},
+                                               {-LARGEST, -LARGEST, LARGEST, LARGEST},
+                                               {0, 0, 65535, 65535},
+                                               {0, 0, 39, LARGEST},
+                                               {0, 0, LARGEST, 49},
+                                               {5, 5, 4, 4},
+                                               {0, 0, 30000, 30000}})
+    EXPECT_EQ(read(folder, with_window(bytes, window), "window"), Outcome::Refused) << window[2];
+  // Line buffers of the widest allowed image, 4 channels of 16 lines, are 16 MiB; a frame would be 12 GiB.
+  EXPECT_LT(host_peak_bytes() - before, uint64_t{256} << 20);
+}
+
+}  // namespace
+}  // namespace regulus::test

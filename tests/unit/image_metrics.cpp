@@ -1,0 +1,87 @@
+// Metrics against values computed by hand, and against OpenImageIO's idiff where it is installed.
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "image_files.hpp"
+#include "support/random.hpp"
+
+namespace regulus::test {
+namespace {
+
+constexpr float NOT_A_NUMBER = std::numeric_limits<float>::quiet_NaN();
+constexpr float INFINITE = std::numeric_limits<float>::infinity();
+/// Sums of a few exact terms in double.
+constexpr double TOLERANCE = 1e-14;
+
+TEST(Metrics, AgreeWithHandComputedValues) {
+  const image::Image image{2, 1, {1, 2, 4, 0, 0, 0.5f}};
+  const image::Image reference{2, 1, {1, 1, 1, 0, 1, 0.5f}};
+  const image::Metrics metrics = image::compare(image, reference);
+  // Squared errors 0, 1, 9 and 0, 1, 0; pixel means 1 and 0.5.
+  EXPECT_NEAR(metrics.mse, 11.0 / 6, TOLERANCE);
+  EXPECT_NEAR(metrics.mae, 5.0 / 6, TOLERANCE);
+  EXPECT_NEAR(metrics.relmse, (1 / 1.01 + 9 / 1.01 + 1 / 1.01) / 6, TOLERANCE);
+  EXPECT_NEAR(metrics.mrse, (10 / 1.01 + 1 / 0.26) / 6, TOLERANCE);
+  EXPECT_NEAR(metrics.psnr, 10 * std::log10(6.0 / 11), TOLERANCE * 10);
+  EXPECT_EQ(metrics.mean, (std::array<double, 3>{0.5, 1, 2.25}));
+  EXPECT_EQ(metrics.reference_mean, (std::array<double, 3>{0.5, 1, 0.75}));
+  EXPECT_EQ(metrics.non_finite, 0u);
+}
+
+TEST(Metrics, EqualImagesHaveNoErrorAndInfinitePsnr) {
+  const image::Image image = make_image(5, 4, [](size_t i) { return static_cast<float>(i); });
+  const image::Metrics metrics = image::compare(image, image);
+  EXPECT_EQ(metrics.mse, 0);
+  EXPECT_EQ(metrics.mrse, 0);
+  EXPECT_EQ(metrics.psnr, std::numeric_limits<double>::infinity());
+}
+
+TEST(Metrics, NonFiniteValuesAreCountedAndLeftOut) {
+  const image::Image image{2, 1, {NOT_A_NUMBER, 3, 2, INFINITE, 5, 1}};
+  const image::Image reference{2, 1, {1, 1, 2, -INFINITE, NOT_A_NUMBER, 1}};
+  const image::Metrics metrics = image::compare(image, reference);
+  EXPECT_EQ(metrics.non_finite, 4u);
+  // Left: (3, 1), (2, 2), (1, 1); the reference's first pixel has mean 4/3, its second has none.
+  EXPECT_NEAR(metrics.mse, 4.0 / 3, TOLERANCE);
+  EXPECT_NEAR(metrics.mrse, 4 / (16.0 / 9 + 0.01) / 3, TOLERANCE);
+  EXPECT_TRUE(std::isnan(metrics.mean[0])) << "no finite value of red";
+  EXPECT_NEAR(metrics.mean[1], 3, TOLERANCE);
+  EXPECT_NEAR(metrics.mean[2], 1.5, TOLERANCE);
+}
+
+TEST(Metrics, DifferentSizesAreAnError) {
+  const auto one = [](size_t) { return 1.0f; };
+  expect_error([&] { image::compare(make_image(2, 3, one), make_image(3, 2, one)); }, ExitStatus::BadFile,
+               "2 x 3 pixels against a reference of 3 x 2");
+}
+
+/// Value after `label` in a program's output; NaN if absent.
+double value_after(const std::string& text, const std::string& label) {
+  const size_t at = text.find(label);
+  return at == std::string::npos ? NOT_A_NUMBER : std::strtod(text.c_str() + at + label.size(), nullptr);
+}
+
+TEST(Metrics, AgreeWithOpenImageIo) {
+  if (std::system("command -v idiff >/dev/null") != 0) GTEST_SKIP() << "idiff (openimageio-tools) is missing";
+  const TemporaryFolder folder;
+  Random random(5);
+  const auto draw = [&](size_t) { return static_cast<float>(random.uniform()); };
+  const image::Image image = make_image(64, 48, draw), reference = make_image(64, 48, draw);
+  image::write_exr(folder / "a.exr", image);
+  image::write_exr(folder / "b.exr", reference);
+  const std::string command =
+      "idiff -v " + (folder / "a.exr").string() + " " + (folder / "b.exr").string() + " 2>&1";
+  std::string output;
+  FILE* pipe = ::popen(command.c_str(), "r");
+  for (int c; (c = std::fgetc(pipe)) != EOF;) output.push_back(static_cast<char>(c));
+  ::pclose(pipe);
+  const image::Metrics metrics = image::compare(image, reference);
+  // idiff prints six digits.
+  EXPECT_NEAR(value_after(output, "Mean error ="), metrics.mae, 1e-5 * metrics.mae) << output;
+  EXPECT_NEAR(value_after(output, "RMS error ="), std::sqrt(metrics.mse), 1e-5) << output;
+}
+
+}  // namespace
+}  // namespace regulus::test
