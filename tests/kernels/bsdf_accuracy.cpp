@@ -23,6 +23,7 @@ using reference::BsdfSample;
 
 constexpr double RELATIVE_BOUND = 1e-4;
 constexpr double ULPS = 2;
+constexpr double MOST_EXCUSED = 0.15;  // share of values that may need it: the test must not become vacuous
 constexpr double SMALLEST_FLOAT = 1e-35;  // below, denormals are flushed on some devices
 constexpr double LARGEST_DENSITY = 1e29;  // above, densities may be clamped
 constexpr int CASES_PER_KIND = 1500;
@@ -87,6 +88,9 @@ class ErrorStatistics {
     return false;
   }
 
+  /// Few enough values were wrong that each is worth printing.
+  bool should_describe() const { return failed_ <= 3; }
+
   /// Prints the summary and fails the test if the bound was exceeded, or excused more often than
   /// `most_excused`.
   void report(const std::string& name, double most_excused) const {
@@ -102,11 +106,9 @@ class ErrorStatistics {
   double worst_ = 0, worst_failure_ = 0;
 };
 
-/// One line for the first few cases that went wrong, enough to repeat them.
+/// Prints a case that went wrong, with all that is needed to repeat it.
 void describe_failure(const char* what, const BsdfCase& c, const Model& model, const dvec3& measured,
                       const dvec3& expected) {
-  static int described = 0;
-  if (++described > 12) return;
   const Material& m = c.material;
   std::printf(
       "  %s %s\n    measured %.7g %.7g %.7g  expected %.7g %.7g %.7g\n    wo (%.9g %.9g %.9g) wi (%.9g %.9g "
@@ -164,18 +166,19 @@ TEST_P(BsdfAccuracy, ValueAndPdfsMatchTheReference) {
       for (int channel = 0; channel < 3; ++channel)
         is_right &= value.add(results[i].value[channel], expected.value[channel],
                               [&] { return allowed.get().value[channel]; });
-      if (!is_right) describe_failure("value", cases[i], model, results[i].value, expected.value);
+      if (!is_right && value.should_describe())
+        describe_failure("value", cases[i], model, results[i].value, expected.value);
       is_right = forward.add(results[i].pdf_forward, expected.pdf_forward,
                              [&] { return allowed.get().pdf_forward; });
       is_right &= reverse.add(results[i].pdf_reverse, expected.pdf_reverse,
                               [&] { return allowed.get().pdf_reverse; });
-      if (!is_right)
+      if (!is_right && forward.should_describe() && reverse.should_describe())
         describe_failure("pdfs", cases[i], model, {results[i].pdf_forward, results[i].pdf_reverse, 0},
                          {expected.pdf_forward, expected.pdf_reverse, 0});
     }
-    value.report(model.name(), 0.05);
-    forward.report(model.name(), 0.05);
-    reverse.report(model.name(), 0.05);
+    value.report(model.name(), MOST_EXCUSED);
+    forward.report(model.name(), MOST_EXCUSED);
+    reverse.report(model.name(), MOST_EXCUSED);
   }
 }
 
@@ -214,18 +217,19 @@ TEST_P(BsdfAccuracy, SampleWeightIsValueTimesCosineOverPdf) {
                   expected.value[channel] * allowed.get().pdf_forward / expected.pdf_forward) *
                  cosine_over_pdf;
         });
-      if (!is_right) describe_failure("weight", c, model, sampled.weight, expected_weight);
+      if (!is_right && weight.should_describe())
+        describe_failure("weight", c, model, sampled.weight, expected_weight);
       is_right =
           forward.add(sampled.pdf_forward, expected.pdf_forward, [&] { return allowed.get().pdf_forward; });
       is_right &=
           reverse.add(sampled.pdf_reverse, expected.pdf_reverse, [&] { return allowed.get().pdf_reverse; });
-      if (!is_right)
+      if (!is_right && forward.should_describe() && reverse.should_describe())
         describe_failure("sampled pdfs", c, model, {sampled.pdf_forward, sampled.pdf_reverse, 0},
                          {expected.pdf_forward, expected.pdf_reverse, 0});
     }
-    weight.report(model.name(), 0.02);
-    forward.report(model.name(), 0.4);
-    reverse.report(model.name(), 0.4);
+    weight.report(model.name(), MOST_EXCUSED);
+    forward.report(model.name(), MOST_EXCUSED);
+    reverse.report(model.name(), MOST_EXCUSED);
     EXPECT_GT(valid, static_cast<int>(cases.size() / 3)) << model.name();
   }
 }

@@ -33,7 +33,8 @@ BsdfCase draw_case(Kind kind, float alpha, double cos_o, bool is_front) {
   return c;
 }
 
-/// The cases of one kind: roughness and angle vary together so that each pair of neighbours is met.
+/// The cases of one kind, isotropic: roughness and angle vary together so that each pair of neighbours is
+/// met.
 std::vector<BsdfCase> draw_cases(Kind kind) {
   std::vector<BsdfCase> cases;
   const bool has_back = kind == Kind::Solid || kind == Kind::Mixed;
@@ -53,11 +54,16 @@ class BsdfChiSquare : public testing::TestWithParam<Kind> {};
 
 TEST_P(BsdfChiSquare, SamplesFollowTheirDensity) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  constexpr int TESTS = 9 * (3 + 3 + 3 + 5 + 5) + 3;  // models x cases of all kinds, and the diffuse class
+  // Models times cases of all kinds, the diffuse class, and the anisotropic ones of six models.
+  constexpr int TESTS = 9 * (3 + 3 + 3 + 5 + 5) + 3 + 6 * 5;
   const double significance = significance_per_test(FALSE_ALARM, TESTS);
-  const std::vector<BsdfCase> cases = draw_cases(GetParam());
   double smallest_p = 1;
   for (const Model& model : models_of_class(material_class_of(GetParam()))) {
+    std::vector<BsdfCase> cases = draw_cases(GetParam());
+    if (model.ndf != NDF_COSINE && GetParam() != Kind::Diffuse) {
+      cases.push_back(cases.front());
+      cases.back().alpha = {0.5f, 0.15f};
+    }
     const gpu::Kernel kernel = create_kernel("bsdf_draw", model);
     const auto drawn = map_on_device<DrawnDirection>(kernel, cases, SAMPLES, SAMPLES);
     for (size_t i = 0; i < cases.size(); ++i) {
