@@ -55,9 +55,9 @@ struct Bsdf {
   float inverse_eta;
   float f0_exact;        // exact reflectance at normal incidence
   float inverse_t0;      // 1 / (1 - f0_exact)
-  float min_position;    // lowest position that keeps F_d >= 0 (see fresnel_position)
-  // Luminances as linear functions of position s and Schlick weight k: diffuse d.x - s d.y,
-  // reflected r.x + k r.y + s r.z, transmitted t.x - s t.y.
+  float min_position;    // lowest Fresnel position that keeps F_d >= 0
+  // Luminances as linear functions of position s and Schlick weight k: diffuse d.x + (1 - s) d.y,
+  // reflected r.x + k r.y + s r.z, transmitted t.x + (1 - s) t.y.
   vec2 diffuse_luminance;
   vec3 reflected_luminance;
   vec2 transmitted_luminance;
@@ -80,41 +80,47 @@ struct BsdfSample {
   float eta_scale;    // weight * eta_scale is free of refraction's 1 / eta^2
 };
 
-// Position s of the exact reflectance between F_0 (0) and 1 (1); F_d = f0 + s (f90 - f0).
-float fresnel_position(Bsdf bsdf, float c, float g, float excess) {
-  float s = (fresnel_dielectric(max(c, MIN_COS), g, excess) - bsdf.f0_exact) * bsdf.inverse_t0;
-  return clamp(s, bsdf.min_position, 1.0);
+// Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
+// F_d = f0 + s (f90 - f0).
+vec2 fresnel_position(Bsdf bsdf, float c, float g, float excess) {
+  vec2 exact = fresnel_dielectric(max(c, MIN_COS), g, excess);
+  vec2 position = vec2(exact.x - bsdf.f0_exact, exact.y) * bsdf.inverse_t0;
+  return vec2(max(position.x, bsdf.min_position), min(position.y, 1.0 - bsdf.min_position));
 }
 
-vec3 dielectric_reflectance(Bsdf bsdf, float s) { return bsdf.f0 + s * (bsdf.f90 - bsdf.f0); }
-
-// F_r for position s and Schlick weight k.
-vec3 interface_reflectance(Bsdf bsdf, float s, float k) {
-  return bsdf.metal + k * (bsdf.metallic - bsdf.metal) + (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, s);
+// F_d and 1 - F_d.
+vec3 dielectric_reflectance(Bsdf bsdf, vec2 position) { return bsdf.f0 + position.x * (bsdf.f90 - bsdf.f0); }
+vec3 dielectric_transmittance(Bsdf bsdf, vec2 position) {
+  return (1.0 - bsdf.f90) + position.y * (bsdf.f90 - bsdf.f0);
 }
 
-float reflected_luminance(Bsdf bsdf, float s, float k) {
-  return max(dot(bsdf.reflected_luminance, vec3(1.0, k, s)), 0.0);
+// F_r for Schlick weight k.
+vec3 interface_reflectance(Bsdf bsdf, vec2 position, float k) {
+  return bsdf.metal + k * (bsdf.metallic - bsdf.metal) +
+         (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position);
 }
 
-float transmitted_luminance(Bsdf bsdf, float s) {
-  if (!bsdf_has_transmission()) return 0.0;
-  return max(bsdf.transmitted_luminance.x - s * bsdf.transmitted_luminance.y, 0.0);
+float reflected_luminance(Bsdf bsdf, vec2 position, float k) {
+  return max(dot(bsdf.reflected_luminance, vec3(1.0, k, position.x)), 0.0);
 }
 
-// Probability of sampling the diffuse lobe from a direction with cosine c and Fresnel position s.
-float diffuse_probability(Bsdf bsdf, float c, float s) {
+float transmitted_luminance(Bsdf bsdf, vec2 position) {
+  return bsdf_has_transmission() ? bsdf.transmitted_luminance.x + position.y * bsdf.transmitted_luminance.y : 0.0;
+}
+
+// Probability of sampling the diffuse lobe from a direction with cosine c and that Fresnel position.
+float diffuse_probability(Bsdf bsdf, float c, vec2 position) {
   if (!bsdf_has_specular()) return 1.0;
-  float diffuse = max(bsdf.diffuse_luminance.x - s * bsdf.diffuse_luminance.y, 0.0);
-  float specular = reflected_luminance(bsdf, s, schlick_weight(c)) + transmitted_luminance(bsdf, s);
+  float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
+  float specular = reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
   return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
 }
 
 // Probability of reflection at a facet: c is the cosine with the facet normal of the side it is seen from.
-float reflection_probability(Bsdf bsdf, float s, float c) {
+float reflection_probability(Bsdf bsdf, vec2 position, float c) {
   if (!bsdf_has_transmission()) return 1.0;
-  float reflected = reflected_luminance(bsdf, s, schlick_weight(c));
-  float transmitted = transmitted_luminance(bsdf, s);
+  float reflected = reflected_luminance(bsdf, position, schlick_weight(c));
+  float transmitted = transmitted_luminance(bsdf, position);
   return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
 }
 
@@ -154,16 +160,16 @@ Bsdf make_bsdf(Material material, bool is_front) {
   bsdf.min_position = -darkest / max(bsdf.f90 - darkest, 1e-6);
 
   vec3 albedo = (1.0 - transmission) * dielectric;
-  vec3 mean = bsdf.f0 + fresnel_mean_position(x) * range;
-  bsdf.diffuse = albedo / max(1.0 - mean, 1e-6);
+  vec3 mean_transmittance = (1.0 - bsdf.f90) + (1.0 - fresnel_mean_position(x)) * range;
+  bsdf.diffuse = albedo / max(mean_transmittance, 1e-6);
 
   float dielectric_share = 1.0 - bsdf.metallic;
-  bsdf.diffuse_luminance = vec2(dot(albedo * (1.0 - bsdf.f0), LUMINANCE), dot(albedo * range, LUMINANCE));
+  bsdf.diffuse_luminance = vec2((1.0 - bsdf.f90) * dot(albedo, LUMINANCE), dot(albedo * range, LUMINANCE));
   bsdf.reflected_luminance = vec3(dot(bsdf.metal + dielectric_share * bsdf.f0, LUMINANCE),
                                   bsdf.metallic - dot(bsdf.metal, LUMINANCE),
                                   dielectric_share * dot(range, LUMINANCE));
   bsdf.transmitted_luminance =
-      vec2(dot(bsdf.transmission * (1.0 - bsdf.f0), LUMINANCE), dot(bsdf.transmission * range, LUMINANCE));
+      vec2((1.0 - bsdf.f90) * dot(bsdf.transmission, LUMINANCE), dot(bsdf.transmission * range, LUMINANCE));
   return bsdf;
 }
 
@@ -192,12 +198,12 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   }
   // The reverse walk of a refraction starts on the other side of the interface.
   float excess_i = facet.is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
-  float s_o = fresnel_position(bsdf, cos_o, refracted_g(cos_o, bsdf.excess), bsdf.excess);
-  float s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
+  vec2 s_o = fresnel_position(bsdf, cos_o, refracted_g(cos_o, bsdf.excess), bsdf.excess);
+  vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
   float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
-  eval.value = bsdf.diffuse * (1.0 - dielectric_reflectance(bsdf, s_o)) *
-               (1.0 - dielectric_reflectance(bsdf, s_i)) * same_side;
+  eval.value =
+      bsdf.diffuse * dielectric_transmittance(bsdf, s_o) * dielectric_transmittance(bsdf, s_i) * same_side;
   eval.pdf_forward = diffuse_o * cos_i * same_side;
   eval.pdf_reverse = diffuse_i * cos_o * same_side;
   if (!bsdf_has_rough()) return eval;
@@ -209,7 +215,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
 
   // A refracted pair knows its own g = eta |wi.h|, which stays accurate where sqrt(c^2 + excess) does not.
   float g = facet.is_refracted ? facet.i_dot_h / bsdf.inverse_eta : refracted_g(facet.o_dot_h, bsdf.excess);
-  float s = fresnel_position(bsdf, facet.o_dot_h, g, bsdf.excess);
+  vec2 s = fresnel_position(bsdf, facet.o_dot_h, g, bsdf.excess);
   float k = schlick_weight(facet.o_dot_h);
   float reflect_o = reflection_probability(bsdf, s, facet.o_dot_h);
   float reflect_i = reflection_probability(bsdf, s, facet.i_dot_h);
@@ -229,7 +235,7 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   float density = is_rough ? min(terms.density * scale, MAX_DENSITY) : 0.0;
   vec3 weight = interface_reflectance(bsdf, s, k);
   if (bsdf_has_transmission() && facet.is_transmitted) {
-    weight = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, s));
+    weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
     reflect_o = 1.0 - reflect_o;
     reflect_i = 1.0 - reflect_i;
   }
@@ -287,7 +293,7 @@ BsdfEval bsdf_evaluate(Bsdf bsdf, vec3 wo, vec3 wi, uint transport) {
 struct FacetEvent {
   vec3 wi;
   Encounter facet;
-  float position;      // Fresnel position at the facet
+  vec2 position;       // Fresnel position at the facet
   float probability;   // of this choice between reflection and transmission
 };
 
@@ -317,6 +323,7 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
     i_dot_h = g * bsdf.inverse_eta;
     is_valid = c > 0.0 && g > 0.0 && event.wi.z < 0.0;
   }
+  event.wi *= inversesqrt(dot(event.wi, event.wi));
   event.facet = Encounter(visible.h, max(c, MIN_COS), i_dot_h, is_transmitted, is_refracted, is_valid);
   return event;
 }
@@ -326,12 +333,12 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, u
   float cos_i = abs(event.wi.z);
   bool is_refracted = bsdf_has_transmission() && event.facet.is_refracted;
   float excess_i = is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
-  float s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
+  vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float reflect_i = reflection_probability(bsdf, event.position, cos_i);
   BsdfEval eval;
   eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
   if (bsdf_has_transmission() && event.facet.is_transmitted) {
-    eval.value = bsdf.transmission * (1.0 - dielectric_reflectance(bsdf, event.position));
+    eval.value = bsdf.transmission * dielectric_transmittance(bsdf, event.position);
     if (is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
     reflect_i = 1.0 - reflect_i;
   }
@@ -351,7 +358,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   bool is_delta = false;
   BsdfEval delta;
   if (bsdf_has_specular()) {
-    float s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
+    vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
     is_diffuse = u_lobe < diffuse_o;
     float u_choice = clamp((u_lobe - diffuse_o) / max(1.0 - diffuse_o, 1e-7), 0.0, ONE_MINUS_ULP);

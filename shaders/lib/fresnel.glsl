@@ -5,19 +5,19 @@
 
 #include "lib/numerics.glsl"
 
-// Unpolarized Fresnel reflectance for the cosine c on the incident side. excess = eta^2 - 1 with
-// eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted direction), so g^2 = c^2 + excess;
-// g = 0 stands for total internal reflection.
-// r_s = -excess / (c + g)^2 keeps its relative precision for eta near 1, where (c - g) / (c + g) does not;
-// r_p = r_s cos(a + b) / cos(a - b) with c g -+ sin^2 for the cosines of sum and difference.
-float fresnel_dielectric(float c, float g, float excess) {
+// Unpolarized Fresnel reflectance and transmittance (F, 1 - F) of a dielectric for the cosine c on the incident
+// side. excess = eta^2 - 1 with eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted
+// direction), so g^2 = c^2 + excess; g = 0 stands for total internal reflection. With b = c g + sin^2:
+//   r_s = -excess / (c + g)^2    r_p = r_s (c g - sin^2) / b    1 - F = 2 c g (1 + eta^2 / b^2) / (c + g)^2
+// Written so that F is relatively accurate for eta near 1, and 1 - F at grazing and near the critical angle.
+vec2 fresnel_dielectric(float c, float g, float excess) {
   float sum_squared = square(c + g);
   float sin_squared = (1.0 - c) * (1.0 + c);
-  float cos_difference = c * g + sin_squared;
-  float cos_sum = c * g - sin_squared;
-  float numerator = square(excess) * (square(cos_sum) + square(cos_difference));
-  float reflectance = 0.5 * numerator / square(sum_squared * cos_difference);
-  return g > 0.0 ? min(reflectance, 1.0) : 1.0;
+  float b = c * g + sin_squared;
+  float scale = square(1.0 / (sum_squared * b));
+  float reflected = 0.5 * square(excess) * (square(c * g - sin_squared) + square(b)) * scale;
+  float transmitted = 2.0 * c * g * (square(b) + excess + 1.0) * (sum_squared * scale);
+  return g > 0.0 ? vec2(min(reflected, 1.0), transmitted) : vec2(1.0, 0.0);
 }
 
 // g of fresnel_dielectric for a cosine on the incident side.

@@ -119,7 +119,10 @@ Facet sample_visible_ggx(vec3 w, vec2 alpha, vec2 u) {
   float inverse_length = inversesqrt(dot(unstretched, unstretched));
   Facet facet;
   facet.h = unstretched * inverse_length;
-  facet.w_dot_h = 0.5 * stretched_length * dot(half_vector, half_vector) * inverse_length;
+  // The closed form has no cancellation at grazing; elsewhere the dot product agrees better with h as rounded.
+  float grazing = 0.5 * stretched_length * dot(half_vector, half_vector) * inverse_length;
+  float direct = dot(w, facet.h);
+  facet.w_dot_h = direct > 0.01 ? direct : grazing;
   return facet;
 }
 
