@@ -1,0 +1,51 @@
+// Runs the regulus binary as a user would and captures what it says.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace regulus::test {
+
+using Arguments = std::vector<std::string>;
+/// Variables to set on top of the test's own environment.
+using Environment = std::map<std::string, std::string>;
+
+struct Finished {
+  int status = -1;  ///< exit status; -1 if a signal ended it
+  int signal = 0;   ///< 0 if it ended by itself
+  std::string out, err;
+};
+
+/// A running regulus with its output going to files. Killed with the object if it still runs.
+class Process {
+ public:
+  explicit Process(const Arguments& arguments, const Environment& environment = {});
+  ~Process();
+  Process(const Process&) = delete;
+  Process& operator=(const Process&) = delete;
+
+  /// Waits until the process catches `signal` itself, which says that rendering has begun. False if it ended
+  /// before that or a minute passed.
+  bool wait_for_handler(int signal);
+  void send(int signal);
+  Finished wait();
+
+ private:
+  pid_t pid_ = -1;
+  std::filesystem::path out_, err_;
+};
+
+/// Runs to the end.
+Finished run(const Arguments& arguments, const Environment& environment = {});
+
+size_t count_lines(const std::string& text);
+
+/// Fails the calling test unless the process ended with `status`, printed nothing on stdout, and one line on
+/// stderr that begins as errors do and contains each of `mentions`.
+void expect_error(const Finished& finished, int status, const std::vector<std::string>& mentions = {});
+
+}  // namespace regulus::test

@@ -1,0 +1,170 @@
+// What the command line says to those who use it wrongly: one line and the exit status of its kind. Nothing
+// here needs a Vulkan device.
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "cli/process.hpp"
+#include "images/support/gltf_scene.hpp"
+
+namespace regulus::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class Usage : public testing::Test {
+ protected:
+  void SetUp() override {
+    scene_.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
+    scene_.add_point_light({0, 0, 1}, {1, 1, 1});
+    scene_.set_perspective(look_at({0, 0, 2}, {0, 0, 0}), 0.8);
+    scene_.write(gltf());
+  }
+  std::string gltf() const { return (folder_ / "scene.gltf").string(); }
+  std::string exr() const { return (folder_ / "out.exr").string(); }
+
+  Finished render(Arguments more) const {
+    Arguments arguments = {"render", gltf(), "-o", exr(), "--size", "8x8", "--spp", "1"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  }
+
+  // Neither output nor any temporary of it.
+  void expect_nothing_written() const {
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder_.path()))
+      EXPECT_EQ(entry.path().string().find(".exr"), std::string::npos) << entry.path();
+  }
+
+  TemporaryFolder folder_;
+  GltfScene scene_;
+};
+
+void write_file(const fs::path& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+std::string read_file(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+TEST_F(Usage, HelpAndVersionEndWithZero) {
+  for (const Arguments& arguments : {Arguments{"--help"}, Arguments{"--version"},
+                                     Arguments{"render", "--help"}, Arguments{"devices", "--help"}}) {
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, 0) << arguments.back();
+    EXPECT_EQ(finished.err, "");
+    EXPECT_GE(count_lines(finished.out), 1u);
+  }
+  EXPECT_EQ(run({"--version"}).out.rfind("regulus ", 0), 0u);
+  const std::string help = run({"render", "--help"}).out;
+  for (const char* option :
+       {"--output", "--integrator", "--techniques", "--spp", "--size", "--camera", "--max-depth", "--seed",
+        "--device", "--stats", "--png", "--exposure", "--quiet", "--verbose"})
+    EXPECT_NE(help.find(option), std::string::npos) << option;
+}
+
+TEST_F(Usage, WrongOptionsEndWithTwo) {
+  expect_error(run({}), 2);
+  expect_error(run({"paint"}), 2, {"paint"});
+  expect_error(run({"render"}), 2);
+  expect_error(render({"--no-such-option"}), 2, {"--no-such-option"});
+  expect_error(render({"--spp"}), 2, {"--spp"});
+  for (const char* value : {"0", "-3", "many", "1e9999"}) expect_error(render({"-s", value}), 2, {"--spp"});
+  for (const char* value : {"0", "1.5", "none"})
+    expect_error(render({"--max-depth", value}), 2, {"--max-depth"});
+  expect_error(render({"--integrator", "magic"}), 2, {"magic"});
+  expect_error(render({"--techniques", "hit,magic"}), 2, {"magic"});
+  expect_error(render({"--techniques", ","}), 2, {"--techniques"});
+  expect_error(render({"--ndf", "phong"}), 2, {"phong"});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, BadSizesEndWithTwo) {
+  for (const char* size : {"8", "8x", "x8", "0x8", "8x0", "-8x8", "8x8x8", "8 x 8", "wide", "99999999999x1",
+                           "1e3x4", "32769x1", " 8x8"})
+    expect_error(run({"render", gltf(), "-o", exr(), "--size", size}), 2, {"--size", size});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, UnknownCamerasEndWithTwoAndAreListed) {
+  for (const char* camera : {"1", "-1", "front", "0x0"})
+    expect_error(render({"--camera", camera}), 2, {"--camera", camera});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, MissingScenesEndWithThree) {
+  expect_error(run({"render", (folder_ / "absent.gltf").string(), "-o", exr()}), 3, {"absent.gltf"});
+  expect_error(run({"render", folder_.path().string(), "-o", exr()}), 3, {folder_.path().string()});
+  expect_error(run({"render", gltf(), "--scene", "5", "-o", exr()}), 3, {"scene"});
+  expect_nothing_written();
+}
+
+// One JSON chunk (the buffer is a data URI).
+std::string glb_of(std::string json) {
+  while (json.size() % 4 != 0) json += ' ';
+  const auto word = [](size_t value) {
+    const auto bits = static_cast<uint32_t>(value);
+    return std::string(reinterpret_cast<const char*>(&bits), 4);
+  };
+  return "glTF" + word(2) + word(20 + json.size()) + word(json.size()) + "JSON" + json;
+}
+
+TEST_F(Usage, TruncatedFilesEndWithThree) {
+  const std::string glb = glb_of(read_file(gltf())), text = read_file(gltf());
+  const std::string broken_glb = (folder_ / "broken.glb").string(),
+                    broken_gltf = (folder_ / "broken.gltf").string();
+  // The bad camera proves that the whole file is read without complaint: usage is only wrong after loading.
+  write_file(broken_glb, glb);
+  expect_error(run({"render", broken_glb, "-o", exr(), "--camera", "nobody"}), 2, {"nobody"});
+  for (const size_t size :
+       {size_t{0}, size_t{3}, size_t{12}, size_t{19}, size_t{20}, glb.size() / 2, glb.size() - 1}) {
+    write_file(broken_glb, glb.substr(0, size));
+    expect_error(run({"render", broken_glb, "-o", exr()}), 3, {"broken.glb"});
+  }
+  for (const size_t size : {size_t{0}, size_t{1}, text.size() / 2, text.size() - 1}) {
+    write_file(broken_gltf, text.substr(0, size));
+    expect_error(run({"render", broken_gltf, "-o", exr()}), 3, {"broken.gltf"});
+  }
+  write_file(broken_gltf, "a picture of a house");
+  expect_error(run({"render", broken_gltf, "-o", exr()}), 3, {"broken.gltf"});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, PlacesThatCannotBeWrittenEndWithOneBeforeAnythingIsRendered) {
+  const std::string file = gltf();
+  for (const char* option : {"--output", "--png", "--stats"}) {
+    const auto try_place = [&](const std::string& place) {
+      // A device that does not exist would be the next error.
+      expect_error(run({"render", gltf(), option, place, "--device", "no such device"}), 1, {option, place});
+    };
+    try_place((folder_ / "absent" / "out.x").string());
+    try_place((fs::path(file) / "out.x").string());
+    try_place(folder_.path().string());
+  }
+  expect_nothing_written();
+}
+
+TEST_F(Usage, UnknownDevicesEndWithFour) {
+  expect_error(render({"--device", "no such device"}), 4, {"no such device"});
+  expect_error(render({"--device", "4711"}), 4, {"4711"});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, NoDriverEndsWithFour) {
+  const Environment none = {{"VK_DRIVER_FILES", "/nonexistent"}, {"VK_ICD_FILENAMES", "/nonexistent"}};
+  expect_error(run({"render", gltf(), "-o", exr()}, none), 4);
+  expect_error(run({"devices"}, none), 4);
+  expect_nothing_written();
+}
+
+TEST_F(Usage, SceneSettingsThatMakeNoSenseNameTheFile) {
+  scene_.set_setting("spp", "plenty");
+  scene_.write(gltf());
+  // Without --spp, which would win.
+  expect_error(run({"render", gltf(), "-o", exr()}), 3, {"scene.gltf", "spp"});
+  expect_nothing_written();
+}
+
+}  // namespace
+}  // namespace regulus::test

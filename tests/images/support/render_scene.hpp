@@ -1,0 +1,55 @@
+// Renders a scene file with the device of the tests, whole or as independent batches.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bvh/bvh.hpp"
+#include "image/image.hpp"
+#include "images/support/gltf_scene.hpp"
+#include "render/renderer.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::test {
+
+/// A scene that is ready for a renderer.
+struct PreparedScene {
+  scene::Scene scene;
+  bvh::Bvh bvh;
+};
+
+PreparedScene prepare(const std::filesystem::path& path);
+PreparedScene prepare(const GltfScene& scene);
+
+struct Rendered {
+  render::Film film;
+  image::Image image;
+  render::RenderStatistics statistics;
+};
+
+/// Renders all samples. Fails the calling test if a sample was not finite or a ray overran its step bound.
+Rendered render(const PreparedScene& prepared, const render::RenderSettings& settings);
+
+/// A film of square pixels with a box filter over the pixel.
+render::RenderSettings box_filtered(uint32_t width, uint32_t height, uint32_t samples, uint32_t max_depth);
+
+/// One ray through the very centre of each pixel (a box filter of radius 0): where the light transport has no
+/// random choice either, the image is an exact function of position.
+render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t max_depth);
+
+/// Images of `count` renders that differ in their seed alone: base_seed() + 1000 stream + 0, 1, ...
+std::vector<image::Image> render_batches(const PreparedScene& prepared, render::RenderSettings settings,
+                                         int count, uint32_t stream);
+
+/// True on a device so slow that tests take fewer samples (SwiftShader).
+bool is_slow_device();
+
+/// An entry of scenes[0].extras.regulus_expected of a scene of ours.
+nlohmann::json expected_of(const std::filesystem::path& gltf);
+
+/// The folder of our own scenes and of the real assets.
+std::filesystem::path own_scenes();
+std::filesystem::path assets();
+
+}  // namespace regulus::test
