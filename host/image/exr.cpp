@@ -26,9 +26,13 @@ namespace fs = std::filesystem;
 
 constexpr int MAX_EXTENT = 1 << 16;  // pixels; the widest film anybody renders, with room
 
-/// No compression of OpenEXR stores more pixels than this in a byte (deflate reaches 1032 : 1, on half
-/// floats 516 pixels; DWA drops whole blocks first). A header that claims more lies about its size.
-constexpr uint64_t MAX_PIXELS_PER_BYTE = 4096;
+/// How many bytes of pixels a byte of file can hold. Deflate reaches 1032 : 1, a third more in PXR24, which
+/// drops a byte in four; DWA first reduces empty blocks of 128 bytes to 2, all others stay below. A header
+/// that claims more lies about its size.
+uint64_t largest_expansion(const Imf::Compression compression) {
+  const bool is_dwa = compression == Imf::DWAA_COMPRESSION || compression == Imf::DWAB_COMPRESSION;
+  return is_dwa ? uint64_t{1} << 17 : uint64_t{1} << 11;
+}
 
 std::string one_line(std::string text) {
   std::replace_if(
@@ -80,13 +84,18 @@ std::string encode_exr(const Image& image, const Attributes& attributes, const C
 }
 
 /// Refuses what would make the decoder or us allocate out of proportion to the file.
-void check_window(const fs::path& path, const Imath::Box2i& window, const uint64_t file_bytes) {
+void check_window(const fs::path& path, const Imf::Header& header, const uint64_t file_bytes) {
+  const Imath::Box2i window = header.dataWindow();
   const int64_t width = int64_t{window.max.x} - window.min.x + 1;
   const int64_t height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > MAX_EXTENT || height > MAX_EXTENT)
     fail_bad_file(
         path, fmt::format("data window of {} x {} pixels; at most {} are read", width, height, MAX_EXTENT));
-  if (static_cast<uint64_t>(width * height) > MAX_PIXELS_PER_BYTE * file_bytes)
+  uint64_t pixel_bytes = 0;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+    pixel_bytes += c.channel().type == Imf::HALF ? 2 : 4;
+  if (static_cast<uint64_t>(width * height) * pixel_bytes >
+      largest_expansion(header.compression()) * file_bytes)
     fail_bad_file(path, fmt::format("claims {} x {} pixels in {} bytes; the file is cut off or corrupt",
                                     width, height, file_bytes));
 }
@@ -125,8 +134,8 @@ Image decode_exr(const fs::path& path, const uint64_t file_bytes, Attributes* at
   Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
   Imf::InputFile file(path.c_str());
   const Imf::Header& header = file.header();
+  check_window(path, header, file_bytes);
   const Imath::Box2i window = header.dataWindow();
-  check_window(path, window, file_bytes);
   const std::array<std::string, 3> names = find_rgb(path, header.channels());
 
   Image image;

@@ -123,6 +123,32 @@ TEST(Exr, ReadsHalfInAnOffsetDataWindow) {
   }
 }
 
+TEST(Exr, ReadsBlackImagesThatCompressBest) {
+  const TemporaryFolder folder;
+  for (const Imf::Compression compression :
+       {Imf::ZIP_COMPRESSION, Imf::PIZ_COMPRESSION, Imf::PXR24_COMPRESSION, Imf::B44A_COMPRESSION,
+        Imf::DWAA_COMPRESSION, Imf::DWAB_COMPRESSION}) {
+    constexpr int SIZE = 2048;
+    Imf::Header header(SIZE, SIZE);
+    header.compression() = compression;
+    const std::vector<float> black(size_t{SIZE} * SIZE);
+    Imf::FrameBuffer pixels;
+    for (const char* name : {"R", "G", "B"}) {
+      header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+      pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, black.data(), header.dataWindow()));
+    }
+    {
+      Imf::OutputFile file((folder / "black.exr").c_str(), header);
+      file.setFrameBuffer(pixels);
+      file.writePixels(SIZE);
+    }
+    std::printf("compression %d: %.0f bytes of pixels in a byte of file\n", compression,
+                12.0 * SIZE * SIZE / static_cast<double>(std::filesystem::file_size(folder / "black.exr")));
+    EXPECT_EQ(image::read_exr(folder / "black.exr").width, uint32_t{SIZE}) << compression;
+    std::filesystem::remove(folder / "black.exr");
+  }
+}
+
 TEST(Exr, CopiesLuminanceToAllChannels) {
   const TemporaryFolder folder;
   write_half(folder / "y.exr", {"Y"}, Imath::Box2i({0, 0}, {3, 1}), Imf::ZIP_COMPRESSION);
