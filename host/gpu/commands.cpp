@@ -91,12 +91,12 @@ void CommandList::Impl::begin_dispatch(const Kernel& kernel, std::span<const std
     commands.pushConstants<std::byte>(*state->layout, vk::ShaderStageFlagBits::eCompute, 0,
                                       {static_cast<uint32_t>(push_constants.size()), push_constants.data()});
   // A dispatch's time begins where the one before it ended.
-  if (state->info().timestamp_ns > 0 && !ended_with_timestamp) write_timestamp();
+  if (state->measures_time && !ended_with_timestamp) write_timestamp();
 }
 
 void CommandList::Impl::end_dispatch(const Kernel& kernel) {
   stages.push_back(kernel.impl->name);
-  if (state->info().timestamp_ns <= 0) return;
+  if (!state->measures_time) return;
   const uint32_t end = write_timestamp();
   times.push_back({end - 1, end});
   ended_with_timestamp = true;

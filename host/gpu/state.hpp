@@ -47,6 +47,7 @@ struct DeviceState {
   std::shared_ptr<Instance> instance;
   Candidate chosen;
   bool has_memory_budget = false;
+  bool measures_time = false;  ///< around every dispatch
   vk::PhysicalDeviceMemoryProperties memory;
   vk::raii::Device device{nullptr};
   vk::raii::Queue queue{nullptr};

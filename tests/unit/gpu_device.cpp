@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint32_t WORKGROUP_SIZE = 64;
-const DeviceOptions UNCACHED = {.select = "", .pipeline_cache = false};
+const DeviceOptions UNCACHED = {.select = "", .pipeline_cache = false, .stage_times = true};
 
 /// Push constants of gpu_probe.comp: target[i] = FACTOR * source[i] + addend for i < count.
 struct ProbeParameters {
@@ -103,7 +103,7 @@ TEST(GpuDevices, AreListedWithTheirIndices) {
 
 TEST(GpuDevices, UnknownNameIsNoDevice) {
   const std::string message =
-      error_of(ExitStatus::NoDevice, [] { Device({.select = "no such device", .pipeline_cache = false}); });
+      error_of(ExitStatus::NoDevice, [] { Device(DeviceOptions{.select = "no such device"}); });
   EXPECT_TRUE(contains(message, list_devices().front().name)) << message;
 }
 
@@ -347,6 +347,21 @@ TEST_F(GpuDevice, TimesAreThoseOfTheStagesAndFitInTheWallTime) {
   // 31,250 times the work; the two clocks may differ by their granularity and drift.
   EXPECT_GT(large_ms, small_ms);
   EXPECT_LE(sum_ms, wall_ms * 1.001 + 0.01);
+}
+
+TEST_F(GpuDevice, StagesAreNamedWithoutTimesIfNoneAreWanted) {
+  Device untimed({.select = "", .pipeline_cache = false, .stage_times = false});
+  Kernel kernel = untimed.create_kernel(
+      {.name = "probe", .spirv = probe::spirv("gpu_probe.int32"), .constants = {{0, WORKGROUP_SIZE}}});
+  Buffer buffer = untimed.create_buffer(1024, "buffer");
+  CommandList commands(untimed);
+  run_probe(commands, kernel, buffer, buffer, 4);
+  Submission submission = untimed.submit(std::move(commands));
+  const std::vector<StageTime> times = untimed.wait(submission);
+  ASSERT_EQ(times.size(), 1u);
+  EXPECT_EQ(times[0].stage, "probe");
+  EXPECT_EQ(times[0].device_ms, 0);
+  EXPECT_EQ(download_all<uint32_t>(untimed, buffer, 256), std::vector<uint32_t>(256, 4));
 }
 
 TEST_F(GpuDevice, ManyBuffersKeepTheirContentsAndAreAccountedFor) {
