@@ -328,22 +328,20 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
   return event;
 }
 
-// Factor and discrete probabilities of a delta event (alpha = 0, h = z).
+// Factor and discrete probabilities of a delta event (alpha = 0, h = z). The reverse walk meets the surface at
+// the same Fresnel position: the exact reflectance is that of both directions of a refracted pair.
 BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, uint transport) {
   float cos_i = abs(event.wi.z);
-  bool is_refracted = bsdf_has_transmission() && event.facet.is_refracted;
-  float excess_i = is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
-  vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float reflect_i = reflection_probability(bsdf, event.position, cos_i);
   BsdfEval eval;
   eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
   if (bsdf_has_transmission() && event.facet.is_transmitted) {
     eval.value = bsdf.transmission * dielectric_transmittance(bsdf, event.position);
-    if (is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
+    if (event.facet.is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
     reflect_i = 1.0 - reflect_i;
   }
   eval.pdf_forward = (1.0 - diffuse_o) * event.probability;
-  eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, s_i)) * reflect_i;
+  eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position)) * reflect_i;
   return eval;
 }
 

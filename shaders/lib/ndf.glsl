@@ -25,7 +25,8 @@ float ndf_density(vec3 h, vec2 alpha) {
   float slope_squared = radius_squared / cos_squared;
   float exponent = slope_squared;
   if (spec_ndf == NDF_COSINE) exponent = (1.0 / area + 1.0) * log1p_accurate(area * slope_squared);
-  return INV_PI * exp_accurate(-exponent) / (area * square(cos_squared));
+  // In halves: the exponential alone would underflow before its quotient with cos^4 does.
+  return (INV_PI / area) * square(exp_accurate(-0.5 * exponent) / cos_squared);
 }
 
 // Tail probability P(slope > cot(theta)) of the Cosine distribution and its first moment there, as
