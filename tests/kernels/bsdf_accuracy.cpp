@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "kernels/bsdf_cases.hpp"
 
@@ -24,7 +25,9 @@ using reference::BsdfSample;
 constexpr double RELATIVE_BOUND = 1e-4;
 constexpr double ULPS = 2;
 constexpr double MOST_EXCUSED = 0.15;  // share of values that may need it: the test must not become vacuous
-constexpr double SMALLEST_FLOAT = 1e-35;  // below, denormals are flushed on some devices
+// Facet densities below the smallest normal float (1.2e-38) are flushed on some devices; values divide them
+// by 4 cos_i cos_o, here at least 4e-8.
+constexpr double SMALLEST_FLOAT = 1e-30;
 constexpr double LARGEST_DENSITY = 1e29;  // above, densities may be clamped
 constexpr int CASES_PER_KIND = 1500;
 
@@ -212,6 +215,8 @@ TEST_P(BsdfAccuracy, SampleWeightIsValueTimesCosineOverPdf) {
       bool is_right = true;
       for (int channel = 0; channel < 3; ++channel)
         is_right &= weight.add(sampled.weight[channel], expected_weight[channel], [&] {
+          if (expected.pdf_forward <= allowed.get().pdf_forward)
+            return std::numeric_limits<double>::infinity();
           const double cosine_over_pdf = std::abs(double{c.wi.z}) / expected.pdf_forward;
           return (allowed.get().value[channel] +
                   expected.value[channel] * allowed.get().pdf_forward / expected.pdf_forward) *
@@ -272,7 +277,8 @@ TEST(BsdfDelta, EventsMatchTheReference) {
         EXPECT_LT(error, fresnel_bound);
       }
       EXPECT_NEAR(sampled.pdf_forward / expected.pdf_forward, 1, fresnel_bound);
-      EXPECT_NEAR(sampled.pdf_reverse / expected.pdf_reverse, 1, fresnel_bound);
+      // The reverse density is a function of wi, from where the cosine of wo is the ill-conditioned one.
+      EXPECT_NEAR(sampled.pdf_reverse / expected.pdf_reverse, 1, fresnel_bound + 1e-6 / (r.wo.z * r.wo.z));
     }
     std::printf("%s: %d delta events, largest relative error of the weight %.1e\n", model.name().c_str(),
                 events, worst);

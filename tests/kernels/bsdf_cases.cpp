@@ -137,21 +137,25 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
   const Inputs inputs = inputs_of(c, model);
   const Evaluation base = evaluate(inputs);
   Evaluation sum{dvec3(0), 0, 0};
-  const auto add_effect = [&](const auto& select) {
-    double largest_pdf[2] = {0, 0};
-    dvec3 largest(0);
-    for (const double sign : {-1.0, 1.0}) {
-      Inputs moved = inputs;
-      select(moved) *= 1 + sign * ulps * 0x1p-23;
-      const Evaluation e = evaluate(moved);
-      largest = max(largest, abs(e.value - base.value));
-      largest_pdf[0] = std::max(largest_pdf[0], std::abs(e.pdf_forward - base.pdf_forward));
-      largest_pdf[1] = std::max(largest_pdf[1], std::abs(e.pdf_reverse - base.pdf_reverse));
-    }
-    sum.value += largest;
-    sum.pdf_forward += largest_pdf[0];
-    sum.pdf_reverse += largest_pdf[1];
+  const auto difference_at = [&](const Inputs& moved) -> Evaluation {
+    const Evaluation e = evaluate(moved);
+    return {abs(e.value - base.value), std::abs(e.pdf_forward - base.pdf_forward),
+            std::abs(e.pdf_reverse - base.pdf_reverse)};
   };
+  const auto add_effect = [&](const auto& select) {
+    Inputs up = inputs, down = inputs;
+    select(up) *= 1 + ulps * 0x1p-23;
+    select(down) *= 1 - ulps * 0x1p-23;
+    const Evaluation a = difference_at(up), b = difference_at(down);
+    sum.value += max(a.value, b.value);
+    sum.pdf_forward += std::max(a.pdf_forward, b.pdf_forward);
+    sum.pdf_reverse += std::max(a.pdf_reverse, b.pdf_reverse);
+  };
+  // Directions in floats are unit vectors only up to rounding: all components move together.
+  Inputs unit = inputs;
+  unit.wo = normalize(unit.wo);
+  unit.wi = normalize(unit.wi);
+  sum = difference_at(unit);
   for (int axis = 0; axis < 3; ++axis) {
     add_effect([axis](Inputs& i) -> double& { return i.wo[axis]; });
     add_effect([axis](Inputs& i) -> double& { return i.wi[axis]; });
