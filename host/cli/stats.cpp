@@ -133,7 +133,8 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
 image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
                                    const render::RenderSettings& settings, const render::Renderer& renderer) {
   image::Attributes attributes;
-  for (const auto& [name, value] : settings_json(settings).items())
+  const nlohmann::json recorded = settings_json(settings);
+  for (const auto& [name, value] : recorded.items())
     attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
   attributes["regulus:samples_done"] =
       std::to_string(renderer.statistics().paths / (uint64_t{settings.width} * settings.height));
