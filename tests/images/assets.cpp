@@ -1,6 +1,9 @@
 // Every scene of the shared assets renders: no sample is lost, no ray gives up, and something is seen.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
 #include "support/device.hpp"
@@ -41,8 +44,8 @@ INSTANTIATE_TEST_SUITE_P(Scenes, Asset,
                          testing::Values("bathroom", "cornell-box", "cornell-dragon100k", "etx-sds",
                                          "living-room", "lumen-occluded", "lux-causticcube", "lux-juice",
                                          "lux-kitchen", "staircase", "veach-mis"),
-                         [](const testing::TestParamInfo<const char*>& info) {
-                           std::string name = info.param;
+                         [](const testing::TestParamInfo<const char*>& asset) {
+                           std::string name = asset.param;
                            std::replace(name.begin(), name.end(), '-', '_');
                            return name;
                          });

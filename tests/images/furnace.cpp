@@ -36,8 +36,9 @@ TEST_F(Furnace, LambertBoxIsTheSeriesUpToMaxDepth) {
   for (const uint32_t depth : {1u, 2u, 3u, 12u}) {
     std::array<double, 3> series{};
     for (size_t c = 0; c < 3; ++c) series[c] = limit[c] * (1 - std::pow(albedo[c], depth));
-    if (depth == expected["max_depth"])
+    if (depth == expected["max_depth"]) {
       for (size_t c = 0; c < 3; ++c) ASSERT_NEAR(series[c], triple(expected["radiance"])[c], 1e-9);
+    }
     const auto batches =
         render_batches(room, box_filtered(16, 16, is_slow_device() ? 2 : 16, depth), BATCHES, depth);
     expect_known(("Lambert furnace, max-depth " + std::to_string(depth)).c_str(), batches,

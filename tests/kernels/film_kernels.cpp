@@ -17,7 +17,7 @@ namespace regulus::test {
 namespace {
 
 using namespace interface;
-using Sum = unsigned __int128;
+__extension__ typedef unsigned __int128 Sum;
 
 class Film : public testing::Test {
  protected:
