@@ -11,7 +11,7 @@ namespace regulus::scene {
 namespace {
 
 constexpr double PI = glm::pi<double>();
-constexpr int SAMPLES_PER_EDGE = 8;    // 8 * 8 sub-triangles
+constexpr int SAMPLES = 64;
 constexpr uint32_t BLOCK = 16;         // texels a side of a block of BlockMaxima
 constexpr uint64_t MAX_BLOCKS = 1024;  // looked at per triangle; beyond, the whole texture's maximum serves
 // A triangle whose samples miss its bright texels is still chosen with this share of its brightest texel.
@@ -22,20 +22,23 @@ double luminance(const glm::dvec3& color) {
   return 0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b;
 }
 
-/// Average at the centroids of SAMPLES_PER_EDGE^2 equal sub-triangles.
+/// Average over the triangle at points of the R2 sequence (Roberts 2018), which no regular pattern aliases
+/// with.
 glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture,
                            const glm::vec2 (&corner)[3]) {
   glm::dvec3 sum(0);
-  for (int row = 0; row < SAMPLES_PER_EDGE; ++row)
-    for (int column = 0; column < SAMPLES_PER_EDGE - row; ++column)
-      for (int inverted = 0; inverted < (column + row < SAMPLES_PER_EDGE - 1 ? 2 : 1); ++inverted) {
-        const float offset = inverted != 0 ? 2.0f / 3.0f : 1.0f / 3.0f;
-        const float u = (static_cast<float>(column) + offset) / SAMPLES_PER_EDGE;
-        const float v = (static_cast<float>(row) + offset) / SAMPLES_PER_EDGE;
-        const glm::vec2 uv = (1 - u - v) * corner[0] + u * corner[1] + v * corner[2];
-        sum += glm::dvec3(sample_texture(scene, texture, uv));
-      }
-  return sum / static_cast<double>(SAMPLES_PER_EDGE * SAMPLES_PER_EDGE);
+  for (int i = 0; i < SAMPLES; ++i) {
+    double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0);
+    double v = std::fmod(0.5 + 0.5698402909980532 * i, 1.0);
+    if (u + v > 1) {
+      u = 1 - u;
+      v = 1 - v;
+    }
+    const glm::dvec2 uv =
+        (1 - u - v) * glm::dvec2(corner[0]) + u * glm::dvec2(corner[1]) + v * glm::dvec2(corner[2]);
+    sum += glm::dvec3(sample_texture(scene, texture, glm::vec2(uv)));
+  }
+  return sum / static_cast<double>(SAMPLES);
 }
 
 /// Blocks that the texels low - 1 .. high + 1 of one axis touch; all of them if the range wraps around.

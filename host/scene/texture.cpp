@@ -109,7 +109,7 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
   const int size = static_cast<int>(bytes.size());
   if (bytes.size() > 0x7FFFFFFFu ||
       stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
-    document_.fail(element + " has no readable header; export it again");
+    document_.fail(element + " has no readable header or is too large; export it again");
   const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
   if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS)
     document_.fail(fmt::format("{} has {} x {} pixels, the limit is {} a side and {} in all; scale it down",

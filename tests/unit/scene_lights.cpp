@@ -1,0 +1,209 @@
+// Lights and their selection.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <glm/gtc/constants.hpp>
+#include <numeric>
+#include <random>
+
+#include "scene/alias_table.hpp"
+#include "scene/light_power.hpp"
+#include "scene_files.hpp"
+
+namespace regulus::scene::test {
+namespace {
+
+constexpr double PI = glm::pi<double>();
+
+json emitter(double radiance, bool is_double_sided = false) {
+  return {{"emissiveFactor", {1, 1, 1}},
+          {"doubleSided", is_double_sided},
+          {"extensions", {{"KHR_materials_emissive_strength", {{"emissiveStrength", radiance}}}}}};
+}
+
+Scene load_with_lights(const Gltf& file) {
+  Scene scene = file.load();
+  build_lights(scene);
+  return scene;
+}
+
+TEST(SceneLights, PunctualLightsTakeThePlaceAndDirectionOfTheirNode) {
+  Gltf file;
+  file.triangle();
+  // A quarter turn about x: local -z points along +y.
+  const json turned = {{"translation", {1, 2, 3}}, {"rotation", {std::sqrt(0.5), 0, 0, std::sqrt(0.5)}}};
+  file.light({{"type", "spot"},
+              {"color", {1, 0.5, 0.25}},
+              {"intensity", 8},
+              {"range", 3},
+              {"spot", {{"innerConeAngle", 0.5}, {"outerConeAngle", 1.0}}}},
+             turned);
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.lights.size(), 1u);
+  const interface::Light& light = scene.lights[0];
+  EXPECT_EQ(light.kind, interface::LIGHT_SPOT);
+  EXPECT_EQ(light.position, glm::vec3(1, 2, 3));
+  EXPECT_LT(glm::length(light.direction - glm::vec3(0, 1, 0)), 1e-6f);
+  EXPECT_EQ(light.intensity, glm::vec3(8, 4, 2));
+  EXPECT_EQ(light.cos_inner, static_cast<float>(std::cos(0.5)));
+  EXPECT_EQ(light.cos_outer, static_cast<float>(std::cos(1.0)));
+  EXPECT_TRUE(has_warning(scene, "range is ignored"));
+}
+
+TEST(SceneLights, ImpossibleConesStayFinite) {
+  Gltf file;
+  file.triangle();
+  file.light({{"type", "spot"}, {"spot", {{"innerConeAngle", 1.0}, {"outerConeAngle", 0.5}}}});
+  file.light({{"type", "spot"}, {"spot", {{"innerConeAngle", 0.0}, {"outerConeAngle", 0.0}}}});
+  const Scene scene = file.load();
+  for (const interface::Light& light : scene.lights) {
+    EXPECT_GT(light.cos_inner, light.cos_outer);
+    EXPECT_TRUE(std::isfinite(punctual_power(light, 1)));
+  }
+  EXPECT_TRUE(has_warning(scene, "are clamped"));
+}
+
+TEST(SceneLights, SpotPowerIsTheIntegralOfItsFalloff) {
+  for (const auto& [inner, outer] : {std::pair(0.0, 0.7), std::pair(0.3, 0.31), std::pair(0.5, PI / 2)}) {
+    interface::Light light {};
+    light.kind = interface::LIGHT_SPOT;
+    light.intensity = glm::vec3(3);
+    light.cos_inner = static_cast<float>(std::cos(inner));
+    light.cos_outer = static_cast<float>(std::cos(outer));
+    // Midpoint rule over the cosine; the integrand has slope up to 2 / width, so the error is below
+    // 2 pi (2 / width^2) / 24 / n^2 times the interval.
+    const int n = 1000000;
+    double sum = 0;
+    for (int i = 0; i < n; ++i) {
+      const double c = light.cos_outer + (1.0 - light.cos_outer) * (i + 0.5) / n;
+      const double falloff = std::clamp(
+          (c - light.cos_outer) / (static_cast<double>(light.cos_inner) - light.cos_outer), 0.0, 1.0);
+      sum += falloff * falloff;
+    }
+    const double expected = 3 * 2 * PI * sum * (1.0 - light.cos_outer) / n;
+    EXPECT_NEAR(punctual_power(light, 1), expected, 1e-6 * expected) << inner << " " << outer;
+  }
+}
+
+TEST(SceneLights, SelectionIsInProportionToPower) {
+  Gltf file;
+  file.triangle_of(emitter(2));                             // pi * 1/2 * 2
+  file.triangle_of(emitter(2, true));                       // twice that
+  file.light({{"type", "point"}, {"intensity", 0.5}});      // 4 pi * 0.5
+  file.light({{"type", "directional"}, {"intensity", 4}});  // pi r^2 * 4, r = sqrt(2) / 2
+  const Scene scene = load_with_lights(file);
+  ASSERT_EQ(scene.lights.size(), 4u);
+  const double powers[4] = {2 * PI, 2 * PI, PI, 2 * PI};  // punctual first: point, directional
+  const double total = std::accumulate(powers, powers + 4, 0.0);
+  for (int i = 0; i < 4; ++i) {
+    const size_t k = static_cast<size_t>(i);
+    // Powers hold the luminance weights' sum (1 up to double rounding); thresholds are floats.
+    EXPECT_NEAR(scene.lights[k].selection_pdf, powers[i] / total, 4 * 0x1p-24) << "light " << i;
+  }
+  EXPECT_EQ(scene.lights[2].kind, interface::LIGHT_TRIANGLE);
+  EXPECT_EQ(scene.lights[2].area, 0.5f);
+  EXPECT_EQ(scene.lights[2].intensity, glm::vec3(2));
+  for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
+    ASSERT_NE(scene.triangles[i].light, interface::INVALID_INDEX);
+    EXPECT_EQ(scene.lights[scene.triangles[i].light].triangle, i);
+  }
+}
+
+TEST(SceneLights, LightsWithoutPowerAreLeftOut) {
+  Gltf file;
+  file.triangle_of(emitter(0));
+  file.light({{"type", "point"}, {"intensity", 0}});
+  const Scene scene = load_with_lights(file);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_TRUE(scene.light_aliases.empty());
+  EXPECT_EQ(scene.triangles[0].light, interface::INVALID_INDEX);
+  EXPECT_TRUE(has_warning(scene, "no light"));
+}
+
+TEST(SceneLights, BuildingTwiceGivesTheSame) {
+  Gltf file;
+  file.triangle_of(emitter(2));
+  file.light({{"type", "point"}});
+  Scene scene = load_with_lights(file);
+  const size_t count = scene.lights.size();
+  build_lights(scene);
+  EXPECT_EQ(scene.lights.size(), count);
+}
+
+TEST(SceneLights, TexturedEmissionIsAveraged) {
+  // A checker of 32 x 32 texels, half of them 1 (linear), seen on one triangle; the other shows black only.
+  std::vector<uint16_t> samples;
+  for (int y = 0; y < 64; ++y)
+    for (int x = 0; x < 64; ++x)
+      for (int c = 0; c < 3; ++c)
+        samples.push_back(static_cast<uint16_t>(y < 32 && (x + y) % 2 == 0 ? 255 : 0));
+  Gltf file;
+  const size_t texture = file.texture(make_png(64, 64, 3, 8, samples));
+  json material = emitter(4);
+  material["emissiveTexture"] = {{"index", texture}};
+  file.triangle_of(material);
+  file.triangle_of(material);
+  const std::vector<float> lit = {0, 0, 1, 0, 0, 0.5f}, dark = {0.1f, 0.9f, 0.2f, 0.9f, 0.1f, 0.95f};
+  file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(lit, "VEC2", FLOAT);
+  file.root["meshes"][1]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(dark, "VEC2", FLOAT);
+  Scene scene = load_with_lights(file);
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.triangles[1].light, interface::INVALID_INDEX);
+  // Mean radiance 4 * 1/2 over area 1/2. Bilinear interpolation makes the checker 1/2 + (1 - 2 a)(1 - 2 b) /
+  // 2, of deviation 1/6: 5 deviations of the mean of 64 independent samples, which even ones stay well
+  // within.
+  const double power = TrianglePower(scene)(scene.triangles[0], 0.5);
+  const double bound = PI * 0.5 * 4 * 5 / 6.0 / 8;
+  std::printf("textured power %.4f, expected %.4f +- %.4f\n", power, PI * 0.5 * 2, bound);
+  EXPECT_NEAR(power, PI * 0.5 * 2, bound);
+}
+
+TEST(SceneLights, ATinyBrightSpotKeepsItsTriangleSelectable) {
+  std::vector<uint16_t> samples(256 * 256 * 3, 0);
+  for (size_t c = 0; c < 3; ++c) samples[(17 * 256 + 23) * 3 + c] = 255;
+  Gltf file;
+  const size_t texture = file.texture(make_png(256, 256, 3, 8, samples));
+  json material = emitter(1);
+  material["emissiveTexture"] = {{"index", texture}};
+  file.triangle_of(material);
+  const Scene scene = load_with_lights(file);
+  EXPECT_EQ(scene.lights.size(), 1u);
+}
+
+TEST(AliasTable, ReturnsWhatItsWeightsSay) {
+  for (const uint32_t seed : {1u, 2u, 3u, 4u}) {
+    std::mt19937 random(seed);
+    std::lognormal_distribution<double> weight(0, 5);
+    std::vector<double> weights(1 + seed * 1000);
+    for (double& w : weights) w = weight(random);
+    const double total = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const auto table = make_alias_table(weights);
+    const std::vector<double> pdf = alias_table_pdf(table);
+    double worst = 0, sum = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+      ASSERT_LT(table[i].alias, weights.size());
+      ASSERT_GE(table[i].threshold, 0.0f);
+      ASSERT_LE(table[i].threshold, 1.0f);
+      worst = std::max(worst, std::fabs(pdf[i] - weights[i] / total));
+      sum += pdf[i];
+    }
+    // A bucket's threshold is off by half a float spacing (2^-25) at most; an index receives from up to n
+    // buckets of 1/n each: 2^-25 in all, plus its own 2^-25 / n.
+    const double bound = 0x1p-25 * (1 + 1.0 / static_cast<double>(weights.size())) + 1e-12;
+    std::printf("seed %u: worst deviation %.3g, bound %.3g\n", seed, worst, bound);
+    EXPECT_LE(worst, bound);
+    EXPECT_NEAR(sum, 1, 1e-12);
+  }
+}
+
+TEST(AliasTable, ZeroWeightsAreNeverDrawn) {
+  const std::vector<double> pdf = alias_table_pdf(make_alias_table({0, 1, 0, 3, 0}));
+  EXPECT_EQ(pdf[0], 0);
+  EXPECT_EQ(pdf[2], 0);
+  EXPECT_EQ(pdf[4], 0);
+  EXPECT_NEAR(pdf[1], 0.25, 1e-7);
+}
+
+}  // namespace
+}  // namespace regulus::scene::test

@@ -1,0 +1,271 @@
+// Materials and textures against the glTF specification and its extensions.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <glm/gtc/packing.hpp>
+#include <limits>
+
+#include "interface/wavefront.h"
+#include "scene/texture.hpp"
+#include "scene_files.hpp"
+
+namespace regulus::scene::test {
+namespace {
+
+using interface::INVALID_INDEX;
+
+// Half of the spacing of halfs below 1, plus rounding of the float that is converted.
+constexpr double HALF_ERROR = 0x1p-12 + 0x1p-24;
+
+Scene load_material(const json& material) {
+  Gltf file;
+  file.triangle_of(material);
+  return file.load();
+}
+
+json with_extension(const std::string& name, const json& content) {
+  return {{"extensions", {{name, content}}}};
+}
+
+TEST(SceneMaterial, PrimitivesWithoutMaterialGetTheDefault) {
+  Gltf file;
+  file.triangle();
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.materials.size(), 1u);
+  const interface::Material& material = scene.materials[scene.triangles[0].material];
+  EXPECT_EQ(material.base_color, glm::vec3(1));
+  EXPECT_EQ(material.metallic, 1.0f);
+  EXPECT_EQ(material.roughness, 1.0f);
+  EXPECT_EQ(material.ior, 1.5f);
+  EXPECT_EQ(material.specular, 1.0f);
+  EXPECT_EQ(material.flags, 0u);
+  EXPECT_EQ(material.base_color_texture, INVALID_INDEX);
+}
+
+TEST(SceneMaterial, FactorsAreRead) {
+  const Scene scene = load_material(
+      {{"doubleSided", true},
+       {"emissiveFactor", {0.5, 0, 1}},
+       {"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.25, 0.5, 0.75, 1}}, {"metallicFactor", 0.125}, {"roughnessFactor", 0.375}}},
+       {"extensions",
+        {{"KHR_materials_emissive_strength", {{"emissiveStrength", 8}}},
+         {"KHR_materials_ior", {{"ior", 1.25}}},
+         {"KHR_materials_specular", {{"specularFactor", 0.5}, {"specularColorFactor", {1, 2, 3}}}}}}});
+  const interface::Material& material = scene.materials[0];
+  EXPECT_EQ(material.base_color, glm::vec3(0.25, 0.5, 0.75));
+  EXPECT_EQ(material.metallic, 0.125f);
+  EXPECT_EQ(material.roughness, 0.375f);
+  EXPECT_EQ(material.emission, glm::vec3(4, 0, 8));
+  EXPECT_EQ(material.ior, 1.25f);
+  EXPECT_EQ(material.specular, 0.5f);
+  EXPECT_EQ(material.specular_color, glm::vec3(1, 2, 3));
+  EXPECT_EQ(material.flags, interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE);
+}
+
+TEST(SceneMaterial, VolumesAttenuate) {
+  const json transmission = {{"transmissionFactor", 1}};
+  const auto volume = [&](const json& content) {
+    return load_material(
+               {{"extensions",
+                 {{"KHR_materials_transmission", transmission}, {"KHR_materials_volume", content}}}})
+        .materials[0];
+  };
+  const interface::Material solid = volume({{"thicknessFactor", 1},
+                                            {"attenuationDistance", 0.5},
+                                            {"attenuationColor", {std::exp(-1.0), 1, std::exp(-2.0)}}});
+  EXPECT_EQ(solid.flags & interface::MATERIAL_VOLUME, interface::MATERIAL_VOLUME);
+  // exp(-sigma d) = color: sigma = 1 / 0.5, 0, 2 / 0.5; the color was rounded to float.
+  EXPECT_NEAR(solid.absorption.r, 2, 2 * 4 * std::numeric_limits<float>::epsilon());
+  EXPECT_EQ(solid.absorption.g, 0.0f);
+  EXPECT_NEAR(solid.absorption.b, 4, 4 * 4 * std::numeric_limits<float>::epsilon());
+
+  const interface::Material thin =
+      volume({{"attenuationDistance", 0.5}, {"attenuationColor", {0.5, 0.5, 0.5}}});
+  EXPECT_EQ(thin.flags & interface::MATERIAL_VOLUME, 0u);
+  EXPECT_EQ(thin.absorption, glm::vec3(0));
+
+  const interface::Material black =
+      volume({{"thicknessFactor", 1}, {"attenuationDistance", 1}, {"attenuationColor", {0, 0, 0}}});
+  EXPECT_TRUE(std::isfinite(black.absorption.r));
+  EXPECT_GT(black.absorption.r, 80.0f);
+}
+
+TEST(SceneMaterial, AttenuationOverNoDistanceIsRefused) {
+  Gltf file;
+  file.triangle_of(
+      {{"name", "glass"},
+       {"extensions", {{"KHR_materials_volume", {{"thicknessFactor", 1}, {"attenuationDistance", 0}}}}}});
+  EXPECT_NE(load_error(file).find("material 0 'glass': attenuationDistance"), std::string::npos)
+      << load_error(file);
+}
+
+TEST(SceneMaterial, ClassesNameTheLobes) {
+  const auto class_of = [](json material, double metallic) {
+    material["pbrMetallicRoughness"]["metallicFactor"] = metallic;
+    return load_material(material).materials[0].material_class;
+  };
+  const json no_specular = with_extension("KHR_materials_specular", {{"specularFactor", 0}});
+  const json ior_one = with_extension("KHR_materials_ior", {{"ior", 1}});
+  const json glass = with_extension("KHR_materials_transmission", {{"transmissionFactor", 0.5}});
+  EXPECT_EQ(class_of(json::object(), 0), interface::MATERIAL_CLASS_OPAQUE);
+  EXPECT_EQ(class_of(no_specular, 0), interface::MATERIAL_CLASS_DIFFUSE);
+  EXPECT_EQ(class_of(no_specular, 0.5), interface::MATERIAL_CLASS_OPAQUE);
+  EXPECT_EQ(class_of(ior_one, 0), interface::MATERIAL_CLASS_DIFFUSE);
+  EXPECT_EQ(class_of(glass, 0), interface::MATERIAL_CLASS_TRANSMISSIVE);
+}
+
+TEST(SceneMaterial, InfiniteIorIsAVeryLargeOne) {
+  EXPECT_EQ(load_material(with_extension("KHR_materials_ior", {{"ior", 0}})).materials[0].ior, 1e6f);
+}
+
+TEST(SceneMaterial, FactorsOutOfRangeAreClampedWithAWarning) {
+  const Scene scene =
+      load_material({{"pbrMetallicRoughness", {{"roughnessFactor", 1.5}, {"metallicFactor", -1}}}});
+  EXPECT_EQ(scene.materials[0].roughness, 1.0f);
+  EXPECT_EQ(scene.materials[0].metallic, 0.0f);
+  EXPECT_TRUE(has_warning(scene, "roughnessFactor 1.5 is clamped to 1"));
+}
+
+TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(1, 1, 3, 8, {0, 0, 0}));
+  file.triangle_of({{"alphaMode", "MASK"}, {"normalTexture", {{"index", texture}}}});
+  file.root["extensionsUsed"] = {"KHR_materials_sheen"};
+  const Scene scene = file.load();
+  EXPECT_TRUE(has_warning(scene, "alphaMode MASK"));
+  EXPECT_TRUE(has_warning(scene, "normal maps"));
+  EXPECT_TRUE(has_warning(scene, "KHR_materials_sheen"));
+}
+
+TEST(SceneTexture, ColorsAreDecodedFromSrgbAndDataIsNot) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(2, 1, 4, 8, {0, 10, 128, 64, 255, 188, 55, 255}));
+  file.triangle_of(
+      {{"pbrMetallicRoughness",
+        {{"baseColorTexture", {{"index", texture}}}, {"metallicRoughnessTexture", {{"index", texture}}}}}});
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.textures.size(), 2u);
+  ASSERT_EQ(scene.texels.size(), 8u);  // stored once per meaning
+  const glm::vec4 color = texel(scene, scene.textures[scene.materials[0].base_color_texture], 0, 0);
+  const glm::vec4 data = texel(scene, scene.textures[scene.materials[0].metallic_roughness_texture], 0, 0);
+  const auto srgb = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
+  EXPECT_EQ(color.r, 0.0f);
+  EXPECT_NEAR(color.g, srgb(10 / 255.0), srgb(10 / 255.0) * 2 * HALF_ERROR);
+  EXPECT_NEAR(color.b, srgb(128 / 255.0), srgb(128 / 255.0) * 2 * HALF_ERROR);
+  EXPECT_NEAR(color.a, 64 / 255.0, HALF_ERROR);
+  EXPECT_NEAR(data.g, 10 / 255.0, HALF_ERROR);
+  EXPECT_EQ(texel(scene, scene.textures[0], 1, 0).r, 1.0f);
+}
+
+TEST(SceneTexture, SixteenBitsSurvive) {
+  Gltf file;
+  // Two neighbours in 16 bit that 8 bit would not tell apart, below 1/16 where halfs resolve 2^-15.
+  const size_t texture = file.texture(make_png(2, 1, 3, 16, {0, 1000, 0, 0, 1010, 0}));
+  file.triangle_of({{"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", texture}}}}}});
+  const Scene scene = file.load();
+  const double half_spacing = 0x1p-17;  // of halfs in [2^-7, 2^-6)
+  EXPECT_NEAR(texel(scene, scene.textures[0], 0, 0).g, 1000 / 65535.0, half_spacing);
+  EXPECT_NEAR(texel(scene, scene.textures[0], 1, 0).g, 1010 / 65535.0, half_spacing);
+}
+
+TEST(SceneTexture, SamplersSetWrapAndFilter) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(1, 1, 3, 8, {1, 2, 3}),
+                                      {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}});
+  file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+  const Scene scene = file.load();
+  EXPECT_EQ(scene.textures[0].flags, interface::TEXTURE_WRAP_CLAMP |
+                                         interface::TEXTURE_WRAP_MIRROR << interface::TEXTURE_WRAP_T_SHIFT |
+                                         interface::TEXTURE_NEAREST);
+}
+
+TEST(SceneTexture, EvaluationWrapsAndInterpolates) {
+  Scene scene;
+  // One row of four texels 0, 1, 2, 3 in red.
+  for (const float value : {0.0f, 1.0f, 2.0f, 3.0f}) {
+    scene.texels.push_back(glm::packHalf2x16({value, 0}));
+    scene.texels.push_back(0);
+  }
+  const auto red = [&](uint32_t flags, float u) {
+    return sample_texture(scene, interface::Texture{0, 4, 1, flags}, {u, 0.5f}).r;
+  };
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.125f), 0.0f);  // centre of the first texel
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.25f), 0.5f);   // between first and second
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 1.0f), 1.5f);    // between last and first
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, -0.875f), 0.0f);
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_CLAMP, 2.0f), 3.0f);
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_MIRROR, 1.125f), 3.0f);
+  EXPECT_EQ(red(interface::TEXTURE_WRAP_MIRROR, -0.375f), 1.0f);
+  EXPECT_EQ(red(interface::TEXTURE_NEAREST, 0.26f), 1.0f);
+}
+
+TEST(SceneTexture, BrokenImagesNameTheirTexture) {
+  const auto error_for = [](const Bytes& image) {
+    Gltf file;
+    const size_t texture = file.texture(image);
+    file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+    return load_error(file);
+  };
+  EXPECT_NE(error_for({'G', 'I', 'F', '8'}).find("texture 0 image 0 is neither PNG nor JPEG"),
+            std::string::npos);
+  Bytes truncated = make_png(4, 4, 3, 8, std::vector<uint16_t>(48, 7));
+  truncated.resize(truncated.size() - 40);
+  EXPECT_NE(error_for(truncated).find("cannot be decoded"), std::string::npos) << error_for(truncated);
+  const Bytes bomb = make_png(30000, 8000, 4, 8, {});
+  EXPECT_NE(error_for(bomb).find("which cannot be"), std::string::npos) << error_for(bomb);
+  const Bytes giant = make_png(60000, 60000, 4, 8, {});
+  EXPECT_NE(error_for(giant).find("has no readable header or is too large"), std::string::npos)
+      << error_for(giant);
+  const Bytes large = make_png(20000, 20000, 1, 8, {});
+  EXPECT_NE(error_for(large).find("the limit is"), std::string::npos) << error_for(large);
+}
+
+TEST(SceneFeatures, RoughnessTexturesAreSearchedForZero) {
+  const auto features_of = [](uint16_t green, double factor) {
+    Gltf file;
+    const size_t texture = file.texture(make_png(2, 1, 3, 8, {0, 128, 0, 0, green, 0}));
+    file.triangle_of({{"pbrMetallicRoughness",
+                       {{"metallicRoughnessTexture", {{"index", texture}}}, {"roughnessFactor", factor}}}});
+    return find_features(file.load()).bits &
+           (interface::FEATURE_ROUGH_SPECULAR | interface::FEATURE_DELTA_SPECULAR);
+  };
+  EXPECT_EQ(features_of(128, 1), interface::FEATURE_ROUGH_SPECULAR);
+  EXPECT_EQ(features_of(0, 1), interface::FEATURE_ROUGH_SPECULAR | interface::FEATURE_DELTA_SPECULAR);
+  EXPECT_EQ(features_of(128, 0), interface::FEATURE_DELTA_SPECULAR);
+}
+
+TEST(SceneFeatures, FollowTheScene) {
+  const json matte = {{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
+                      {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}};
+  Gltf file;
+  file.triangle_of(matte);
+  Scene scene = file.load();
+  build_lights(scene);
+  EXPECT_EQ(find_features(scene).bits, 0u);
+  EXPECT_EQ(find_features(scene).material_classes, 1u << interface::MATERIAL_CLASS_DIFFUSE);
+
+  json lamp = matte;
+  lamp["emissiveFactor"] = {1, 1, 1};
+  lamp["doubleSided"] = true;
+  file.triangle_of(lamp);
+  file.triangle_of(
+      {{"pbrMetallicRoughness", {{"roughnessFactor", 0}}},
+       {"extensions",
+        {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+         {"KHR_materials_volume",
+          {{"thicknessFactor", 1}, {"attenuationDistance", 1}, {"attenuationColor", {0.5, 1, 1}}}}}}});
+  file.light({{"type", "directional"}});
+  file.root["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] =
+      file.accessor(std::vector<float>{0, 0, 1, 0, 1, 0, 0, 0, 1}, "VEC3", FLOAT);
+  scene = file.load();
+  build_lights(scene);
+  EXPECT_EQ(find_features(scene).bits,
+            interface::FEATURE_TRIANGLE_LIGHTS | interface::FEATURE_TWO_SIDED_LIGHTS |
+                interface::FEATURE_DIRECTIONAL_LIGHTS | interface::FEATURE_DELTA_SPECULAR |
+                interface::FEATURE_ABSORPTION | interface::FEATURE_MANY_LIGHTS |
+                interface::FEATURE_SMOOTH_NORMALS);
+}
+
+}  // namespace
+}  // namespace regulus::scene::test
