@@ -24,7 +24,10 @@ using reference::BsdfSample;
 
 constexpr double RELATIVE_BOUND = 1e-4;
 constexpr double ULPS = 2;
-constexpr double MOST_EXCUSED = 0.15;  // share of values that may need it: the test must not become vacuous
+// Share of values that may need it, so that the test cannot become vacuous. A lobe seen at tan = alpha
+// through directions known to 2^-22 has a relative error of 2^-21 / alpha, times 1 / (eta - 1) for
+// refraction: above 1e-4 for alpha < 0.005 and 0.01, a quarter to a third of the logarithmic range [1e-3, 1].
+constexpr double MOST_EXCUSED = 0.25;
 // Facet densities below the smallest normal float (1.2e-38) are flushed on some devices; values divide them
 // by 4 cos_i cos_o, here at least 4e-8.
 constexpr double SMALLEST_FLOAT = 1e-30;
