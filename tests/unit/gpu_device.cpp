@@ -472,6 +472,8 @@ class GpuDeviceCache : public testing::Test {
   const fs::path folder =
       fs::temp_directory_path() / ("regulus_device_cache_test_" + std::to_string(::getpid()));
   const ScopedVariable users_cache{"XDG_CACHE_HOME", folder};
+  // Mesa would keep a cache of its own in the folder, and complain if it cannot.
+  const ScopedVariable no_driver_cache{"MESA_SHADER_CACHE_DISABLE", "true"};
 };
 
 TEST_F(GpuDeviceCache, IsWrittenOnceAndUsedAgain) {
