@@ -9,7 +9,7 @@
 // side. excess = eta^2 - 1 with eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted
 // direction), so g^2 = c^2 + excess; g = 0 stands for total internal reflection. With b = c g + sin^2:
 //   r_s = -excess / (c + g)^2    r_p = r_s (c g - sin^2) / b    1 - F = 2 c g (1 + eta^2 / b^2) / (c + g)^2
-// Written so that F is relatively accurate for eta near 1, and 1 - F at grazing and near the critical angle.
+// Both have a relative error below 1e-6, F also for eta near 1, 1 - F also at grazing.
 vec2 fresnel_dielectric(float c, float g, float excess) {
   float sum_squared = square(c + g);
   float sin_squared = (1.0 - c) * (1.0 + c);
@@ -31,7 +31,7 @@ float schlick_weight(float c) {
 
 // How far, from 0 at normal incidence to 1 at grazing, the cosine-weighted mean of the exact reflectance lies:
 // (F_avg - F_0) / (1 - F_0) for light that comes from outside. Error below 1e-5 for ior in [1, 10], below
-// 1e-3 beyond. x = (ior - 1) / (ior + 1).
+// 2e-3 beyond. x = (ior - 1) / (ior + 1).
 float fresnel_mean_position(float x) {
   float v = sqrt(x);
   float numerator = 0.684179389 + v * (-0.365813115 + v * (0.265738673 + v * (-2.3757069 + v * 1.58485569)));

@@ -18,16 +18,16 @@ struct MicrofacetTerms {
   float visibility_i;    // the same for wi
 };
 
-float v_cavity_visibility(float cos_w, float w_dot_h, float cos_h) {
-  return min(1.0 / cos_w, 2.0 * cos_h / w_dot_h);
+// G1 of V-cavities. Exactly 1 where nothing is masked, on which v_cavity_shadowing relies.
+float v_cavity_masking(float cos_w, float w_dot_h, float cos_h) {
+  return min(2.0 * cos_h * cos_w / max(w_dot_h, MIN_COS), 1.0);
 }
 
-// Transmission through V-cavities: a facet pair masks and shadows opposite ends of itself.
-float v_cavity_shadowing(float cos_o, float cos_i, float visibility_o, float visibility_i, bool is_transmitted) {
-  float g_o = visibility_o * cos_o;
-  float g_i = visibility_i * cos_i;
-  float g = is_transmitted ? max(g_o + g_i - 1.0, 0.0) : min(g_o, g_i);
-  return g / (cos_o * cos_i);
+// G2 of V-cavities. Two directions on the same side lose the larger of two overlapping parts of a facet; seen
+// from opposite sides the parts lie at opposite ends: g_o + g_i - 1, here without its cancellation.
+float v_cavity_shadowing(float masking_o, float masking_i, bool is_transmitted) {
+  float low = min(masking_o, masking_i);
+  return is_transmitted ? max(low - (1.0 - max(masking_o, masking_i)), 0.0) : low;
 }
 
 // o_dot_h, i_dot_h: absolute cosines with h. Requires h.z > 0. is_transmitted: wo and wi see the facet from
@@ -39,13 +39,13 @@ MicrofacetTerms microfacet_terms(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float 
   MicrofacetTerms terms;
   terms.density = ndf_density(h, alpha);
   if (samples_v_cavity()) {
-    terms.visibility_o = v_cavity_visibility(cos_o, max(o_dot_h, MIN_COS), h.z);
-    terms.visibility_i = v_cavity_visibility(cos_i, max(i_dot_h, MIN_COS), h.z);
+    float masking_o = v_cavity_masking(cos_o, o_dot_h, h.z);
+    float masking_i = v_cavity_masking(cos_i, i_dot_h, h.z);
+    terms.visibility_o = masking_o / cos_o;
+    terms.visibility_i = masking_i / cos_i;
+    terms.shadowing = v_cavity_shadowing(masking_o, masking_i, is_transmitted) / (cos_o * cos_i);
   }
-  if (spec_shadowing == SHADOWING_V_CAVITY) {
-    terms.shadowing = v_cavity_shadowing(cos_o, cos_i, terms.visibility_o, terms.visibility_i, is_transmitted);
-    return terms;
-  }
+  if (spec_shadowing == SHADOWING_V_CAVITY) return terms;
   float area_o = smith_projected_area(wo, alpha);
   float area_i = smith_projected_area(wi, alpha);
   if (!samples_v_cavity()) {
