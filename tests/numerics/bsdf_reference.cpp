@@ -168,8 +168,8 @@ TEST(Microfacet, SampledNormalsHaveTheirDensity) {
       }
 }
 
-/// Integral of value |cos_i| (one channel) and of the pdf over all wi, by importance-free quadrature over the
-/// specular lobes' half vectors is avoided on purpose: plain cells over the sphere check the Jacobians too.
+/// Integrals of value |cos_i| (first channel) and of the pdf over all wi: plain cells over the sphere, so
+/// that the Jacobians of half vectors are checked, too.
 struct Sums {
   double albedo = 0, pdf = 0;
 };
@@ -250,8 +250,8 @@ TEST(WhiteFurnace, NoModelCreatesEnergyAndPdfsIntegrateToAtMostOne) {
       for (const double alpha : {0.2, 0.9})
         for (const double cos_o : {1.0, 0.4, -0.15}) {
           for (const BsdfParameters& parameters : materials_for_energy(ndf, shadowing, alpha)) {
-            const Sums sums = integrate_sphere(Bsdf(parameters), direction(std::acos(cos_o)),
-                                               TransportMode::Importance, 8);
+            const Sums sums =
+                integrate_sphere(Bsdf(parameters), direction(std::acos(cos_o)), TransportMode::Importance, 8);
             most_energy = std::max(most_energy, sums.albedo);
             most_pdf = std::max(most_pdf, sums.pdf);
             EXPECT_LE(sums.albedo, 1 + 2e-3)

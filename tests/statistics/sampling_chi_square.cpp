@@ -101,7 +101,7 @@ TEST(SamplingChiSquare, TriangleIsUniform) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   const std::vector<vec2> pairs = random_pairs(55);
   const auto points = draw(SAMPLING_TRIANGLE, pairs);
-  // Equal-area cells: 1 - (third barycentric) squared and the ratio of the others are uniform and
+  // Equal-area cells: (1 - third barycentric) squared and the ratio of the others are uniform and
   // independent.
   constexpr int ROWS = 24, COLUMNS = 24;
   std::vector<double> observed(ROWS * COLUMNS), expected(ROWS * COLUMNS, double{SAMPLES} / (ROWS * COLUMNS));
