@@ -11,9 +11,10 @@ namespace regulus::bvh {
 
 namespace {
 
-// The collapse takes about two binary levels into one, so this depth nearly always fits the stack; a tree
-// that does not is built again within the stack's own depth.
-constexpr uint32_t BINARY_DEPTH = 2 * interface::BVH_MAX_DEPTH;
+// Depth of the binary tree. The collapse takes two or three levels into one, so what the first limit allows
+// fits the traversal stack but for contrived scenes, which are built again within the second.
+constexpr uint32_t BINARY_DEPTH = 128;
+constexpr uint32_t SHALLOW_BINARY_DEPTH = 40;
 
 void require_encodable(size_t triangles, size_t nodes) {
   if (triangles > interface::BVH_LEAF_FIRST_MASK || nodes > interface::BVH_MAX_NODES)
@@ -36,9 +37,14 @@ Bvh build(std::span<const InputTriangle> triangles) {
   BinaryTree binary = build_binary_tree(boxes, BINARY_DEPTH);
   WideTree wide = collapse(binary);
   if (wide.depth > interface::BVH_MAX_DEPTH) {
-    binary = build_binary_tree(boxes, interface::BVH_MAX_DEPTH);
+    binary = build_binary_tree(boxes, SHALLOW_BINARY_DEPTH);
     wide = collapse(binary);
   }
+  if (wide.depth > interface::BVH_MAX_DEPTH)
+    throw Error(ExitStatus::Failed,
+                fmt::format("acceleration structure: {} levels deep, at most {} can be traversed; "
+                            "remove triangles nested at extremely different scales",
+                            wide.depth, interface::BVH_MAX_DEPTH));
   require_encodable(triangles.size(), wide.nodes.size());
   return encode(binary, wide, triangles);
 }

@@ -8,7 +8,7 @@
 REGULUS_INTERFACE_BEGIN
 
 // Entries of the traversal stack of one ray, one per level at most; no tree is built deeper.
-REGULUS_CONSTANT BVH_MAX_DEPTH = 32u;
+REGULUS_CONSTANT BVH_MAX_DEPTH = 24u;
 // Most triangles in a leaf.
 REGULUS_CONSTANT BVH_MAX_LEAF_SIZE = 4u;
 
@@ -21,9 +21,10 @@ REGULUS_CONSTANT BVH_MAX_NODES = 1u << 24;
 
 // A node. Plane q of an axis lies at origin + q * 2^(e - 127), e the axis' byte of `exponents` (x lowest).
 // planes[4 axis + 0..1] hold the eight children's lower planes, [4 axis + 2..3] the upper ones, one byte
-// each. The decoded box contains the child with a margin that covers the rounding of the slab test. Bit k
-// of a child's slot tends to be set where the child lies at the upper end of axis k, so slots in the order
-// slot ^ octant run front to back. An empty slot has lower planes 255, upper planes 0 and is never hit.
+// each. The decoded box contains the child with a margin that covers the rounding of the slab test. Bit k of
+// a child's slot tends to be set where the child lies at the upper end of axis k, so that for a ray that runs
+// down the axes of the bits of `octant` the slots run front to back by ascending slot ^ octant. An empty slot
+// has lower planes 255, upper planes 0 and is never hit.
 struct BvhNode {
   vec3 origin;
   uint exponents;

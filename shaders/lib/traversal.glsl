@@ -1,7 +1,10 @@
 // Closest-hit and any-hit queries against the acceleration structure of interface/bvh.h. Watertight: rays do
 // not slip between triangles that share an edge or a vertex, and no box test loses a hit that the triangle
-// test would accept. The stack lives in shared memory, which both test drivers and GPUs handle faster than
-// a private array; workgroups must have WORKGROUP_SIZE invocations.
+// test would accept. The stack lives in shared memory, which CPU drivers handle faster than a private array;
+// workgroups must have WORKGROUP_SIZE invocations. What counts on CPU drivers is the number of loads: each is
+// a loop over the lanes of a vector. So loads are 64 bits wide, and the root is visited outside of the loop,
+// where its address is the same for all lanes: it is loaded once for all if the query is called where all
+// invocations of the workgroup are active (no early return before it).
 #ifndef REGULUS_LIB_TRAVERSAL_GLSL
 #define REGULUS_LIB_TRAVERSAL_GLSL
 
@@ -28,24 +31,30 @@ const uint TRAVERSAL_DONE = 0xFFFFFFFFu;
 // ray that stays within the margin of the boxes.
 const float TRAVERSAL_MIN_DIRECTION = 1e-18;
 
-// The far planes are scaled by 1 + 32 * 2^-24. Slab and triangle test together err by at most 16 * 2^-24 of the
-// distance for each of near and far plane, with a division of 2.5 ulp as Vulkan allows (Ize, "Robust BVH
+// The far planes are scaled by 1 + 32 * 2^-24. Slab and triangle test together err by at most 16 * 2^-24 of
+// the distance for each of near and far plane, with a division of 2.5 ulp as Vulkan allows (Ize, "Robust BVH
 // Ray Traversal", JCGT 2013; what is relative to the node's extent is in the margin of the boxes).
 const float TRAVERSAL_FAR_SCALE = 1.0000019;
 
 const float TRAVERSAL_FLOAT_MAX = 3.402823466e38;
 
-shared uint traversal_stack[BVH_MAX_DEPTH * WORKGROUP_SIZE];
+// From this length on, an any-hit ray counts as one without an end.
+const float TRAVERSAL_UNBOUNDED = 1e30;
 
+// Pairs of words, moved as one where the device can.
 #if REGULUS_INT64
 #define TRAVERSAL_PAIR uint64_t
+#define TRAVERSAL_PACK(words) pack64(words)
 #define TRAVERSAL_UNPACK(pair) unpack32(pair)
 #else
 #define TRAVERSAL_PAIR uvec2
+#define TRAVERSAL_PACK(words) (words)
 #define TRAVERSAL_UNPACK(pair) (pair)
 #endif
 
-// Nodes and triangles as pairs of words, the widest loads that pay.
+// Groups (see TraversalGroup) still to visit, deepest last.
+shared TRAVERSAL_PAIR traversal_stack[BVH_MAX_DEPTH * WORKGROUP_SIZE];
+
 struct TraversalNode {
   TRAVERSAL_PAIR pairs[12];
 };
@@ -62,12 +71,20 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Tra
   BvhNode nodes[];
 };
 
+// Children of a node that are still to visit. `rest` is a key (below) whose distance bounds theirs from below
+// and whose slot is the best next one unless it was visited already.
+struct TraversalGroup {
+  uint node_and_mask;  // node index << 8 | bit (slot ^ order) for each child
+  uint rest;
+};
+
 // What is constant along a ray.
 struct TraversalRay {
   vec3 origin;
   vec3 inverse_direction;
   vec3 inverse_direction_far;
-  uint octant;       // bit k: the direction is negative along axis k
+  uint order;        // children are visited by ascending slot ^ order
+  bool is_far_first;
   // The triangle test works in the frame of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection",
   // JCGT 2013: the axis of the longest direction component is exchanged with z, then x and y are sheared
   // so that the ray runs along z.
@@ -82,17 +99,20 @@ vec3 traversal_exchange(TraversalRay ray, vec3 v) {
 }
 
 float traversal_safe_component(float d) {
-  return abs(d) < TRAVERSAL_MIN_DIRECTION ? (d < 0.0 ? -TRAVERSAL_MIN_DIRECTION : TRAVERSAL_MIN_DIRECTION) : d;
+  float least = d < 0.0 ? -TRAVERSAL_MIN_DIRECTION : TRAVERSAL_MIN_DIRECTION;
+  return abs(d) < TRAVERSAL_MIN_DIRECTION ? least : d;
 }
 
-TraversalRay traversal_ray(vec3 origin, vec3 direction) {
+TraversalRay traversal_ray(vec3 origin, vec3 direction, bool is_far_first) {
   TraversalRay ray;
   ray.origin = origin;
   vec3 safe = vec3(traversal_safe_component(direction.x), traversal_safe_component(direction.y),
                    traversal_safe_component(direction.z));
   ray.inverse_direction = 1.0 / safe;
   ray.inverse_direction_far = ray.inverse_direction * TRAVERSAL_FAR_SCALE;
-  ray.octant = (safe.x < 0.0 ? 1u : 0u) | (safe.y < 0.0 ? 2u : 0u) | (safe.z < 0.0 ? 4u : 0u);
+  uint octant = (safe.x < 0.0 ? 1u : 0u) | (safe.y < 0.0 ? 2u : 0u) | (safe.z < 0.0 ? 4u : 0u);
+  ray.order = is_far_first ? octant ^ 7u : octant;
+  ray.is_far_first = is_far_first;
   vec3 size = abs(direction);
   ray.x_is_longest = size.x > size.y && size.x >= size.z;
   ray.y_is_longest = !ray.x_is_longest && size.y > size.z;
@@ -120,9 +140,27 @@ float traversal_plane(uvec2 planes, uint slot) {
   return float(int((word >> (8u * (slot & 3u))) & 0xFFu));
 }
 
-// Tests the eight children of a node. Bit (slot ^ octant) of the result: the child in `slot` is met within
-// [0, t_max]. Ascending bits run front to back.
-uint traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_max) {
+// Key of a child: distance with the slot in the lowest three bits. Positive floats sort like their bits.
+const uint TRAVERSAL_KEY_SLOT = 7u;
+const float TRAVERSAL_MIN_DISTANCE = 1e-37;
+
+uint traversal_key(TraversalRay ray, float t_near, float t_far, uint slot) {
+  uint distance = ray.is_far_first ? ~floatBitsToUint(t_far) & 0x7FFFFFFFu : floatBitsToUint(t_near);
+  return (distance & ~TRAVERSAL_KEY_SLOT) | slot;
+}
+
+float traversal_key_distance(uint key) { return uintBitsToFloat(key & ~TRAVERSAL_KEY_SLOT); }
+
+// The children of a node that a ray meets: bits as in TraversalGroup, the key of the child to visit first,
+// and the least key of the others.
+struct TraversalVisit {
+  uint mask;
+  uint first;
+  uint rest;
+};
+
+// Tests the eight children of a node against [0, t_max].
+TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_max) {
 #define NODE_PAIR(i) TRAVERSAL_UNPACK(TraversalNodes(nodes).nodes[index].pairs[i])
   uvec2 head_xy = NODE_PAIR(0);
   uvec2 head_z = NODE_PAIR(1);
@@ -144,15 +182,19 @@ uint traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_
   uvec2 near_z = is_negative.z ? upper_z : lower_z, far_z = is_negative.z ? lower_z : upper_z;
 
   uint mask = 0u;
-#define TEST_SLOT(slot)                                                                            \
-  {                                                                                                \
-    float t_near = max(max(traversal_plane(near_x, slot) * near_scale.x + near_offset.x,           \
-                           traversal_plane(near_y, slot) * near_scale.y + near_offset.y),          \
-                       max(traversal_plane(near_z, slot) * near_scale.z + near_offset.z, 0.0));    \
-    float t_far = min(min(traversal_plane(far_x, slot) * far_scale.x + far_offset.x,               \
-                          traversal_plane(far_y, slot) * far_scale.y + far_offset.y),              \
-                      min(traversal_plane(far_z, slot) * far_scale.z + far_offset.z, t_max));      \
-    mask |= t_near <= t_far ? 1u << (slot ^ ray.octant) : 0u;                                      \
+  uint keys[8];
+#define TEST_SLOT(slot)                                                                                     \
+  {                                                                                                         \
+    float t_near = max(max(traversal_plane(near_x, slot) * near_scale.x + near_offset.x,                    \
+                           traversal_plane(near_y, slot) * near_scale.y + near_offset.y),                   \
+                       max(traversal_plane(near_z, slot) * near_scale.z + near_offset.z,                    \
+                           TRAVERSAL_MIN_DISTANCE));                                                        \
+    float t_far = min(min(traversal_plane(far_x, slot) * far_scale.x + far_offset.x,                        \
+                          traversal_plane(far_y, slot) * far_scale.y + far_offset.y),                       \
+                      min(traversal_plane(far_z, slot) * far_scale.z + far_offset.z, t_max));               \
+    bool is_met = t_near <= t_far;                                                                          \
+    keys[slot] = is_met ? traversal_key(ray, t_near, t_far, slot) : TRAVERSAL_DONE;                         \
+    mask |= is_met ? 1u << (slot ^ ray.order) : 0u;                                                         \
   }
   TEST_SLOT(0u)
   TEST_SLOT(1u)
@@ -163,12 +205,18 @@ uint traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_
   TEST_SLOT(6u)
   TEST_SLOT(7u)
 #undef TEST_SLOT
-  return mask;
+  uint first = min(min(min(keys[0], keys[1]), min(keys[2], keys[3])),
+                   min(min(keys[4], keys[5]), min(keys[6], keys[7])));
+#define REST(slot) (keys[slot] == first ? TRAVERSAL_DONE : keys[slot])
+  uint rest = min(min(min(REST(0), REST(1)), min(REST(2), REST(3))),
+                  min(min(REST(4), REST(5)), min(REST(6), REST(7))));
+#undef REST
+  return TraversalVisit(mask, first, rest);
 }
 
-// Vertex sheared into the ray's frame, and the edge function of two such vertices; `precise`, for a contraction to
-// fused multiply-add would break their symmetry. (Functions of their own: the front end takes exponential
-// time to propagate `precise` through structs.)
+// Vertex sheared into the ray's frame, and the edge function of two such vertices; `precise`, for a
+// contraction to fused multiply-add would break their symmetry. (Functions of their own: the front end takes
+// exponential time to propagate `precise` through structs.)
 vec2 traversal_shear(vec3 v, vec3 shear) {
   precise vec2 sheared = v.xy - shear.xy * v.z;
   return sheared;
@@ -185,7 +233,8 @@ float traversal_edge(vec2 p, vec2 q) {
 bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, float t_max, out vec3 tuv,
                          out uint tag) {
 #define TRIANGLE_PAIR(i) TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[i])
-  uvec2 w0 = TRIANGLE_PAIR(0), w1 = TRIANGLE_PAIR(1), w2 = TRIANGLE_PAIR(2), w3 = TRIANGLE_PAIR(3), w4 = TRIANGLE_PAIR(4);
+  uvec2 w0 = TRIANGLE_PAIR(0), w1 = TRIANGLE_PAIR(1), w2 = TRIANGLE_PAIR(2);
+  uvec2 w3 = TRIANGLE_PAIR(3), w4 = TRIANGLE_PAIR(4);
 #undef TRIANGLE_PAIR
   vec3 a = traversal_exchange(ray, uintBitsToFloat(uvec3(w0, w1.x)) - ray.origin);
   vec3 b = traversal_exchange(ray, uintBitsToFloat(uvec3(w1.y, w2)) - ray.origin);
@@ -206,18 +255,47 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   return is_inside && determinant != 0.0 && tuv.x > 0.0 && tuv.x <= t_max;
 }
 
-// Takes the front child off `group` (a node's index << 8 | the mask of its children still to visit; refilled
-// from the stack when empty) and returns its reference, or TRAVERSAL_DONE.
-uint traversal_next(DeviceAddress nodes, uint octant, inout uint group, inout uint stack_size) {
-  if ((group & 0xFFu) == 0u) {
-    if (stack_size == 0u) return TRAVERSAL_DONE;
+#define TRAVERSAL_STACK(level) traversal_stack[(level) * WORKGROUP_SIZE + gl_LocalInvocationIndex]
+
+uint traversal_child(DeviceAddress nodes, uint node, uint slot) {
+  return TraversalNodeRecords(nodes).nodes[node].children[slot];
+}
+
+// Takes the next child off the group, or off the topmost group of the stack whose children are not all beyond
+// t_max. Returns its reference or TRAVERSAL_DONE.
+uint traversal_next(DeviceAddress nodes, TraversalRay ray, float t_max, const bool any_hit,
+                    inout TraversalGroup group, inout uint stack_size) {
+  // The far-first order of any-hit rays has no distances in its keys, and their t_max never shrinks.
+  if (!any_hit && traversal_key_distance(group.rest) > t_max) group.node_and_mask = 0u;
+  while ((group.node_and_mask & 0xFFu) == 0u && stack_size > 0u) {
     --stack_size;
-    group = traversal_stack[stack_size * WORKGROUP_SIZE + gl_LocalInvocationIndex];
+    uvec2 top = TRAVERSAL_UNPACK(TRAVERSAL_STACK(stack_size));
+    group = TraversalGroup(top.x, top.y);
+    if (!any_hit && traversal_key_distance(group.rest) > t_max) group.node_and_mask = 0u;
   }
-  uint bit = group & (0u - group);
-  group ^= bit;
-  uint slot = traversal_lowest_bit(bit) ^ octant;
-  return TraversalNodeRecords(nodes).nodes[group >> 8].children[slot];
+  uint children = group.node_and_mask & 0xFFu;
+  if (children == 0u) return TRAVERSAL_DONE;
+  uint nearest = 1u << ((group.rest & TRAVERSAL_KEY_SLOT) ^ ray.order);
+  uint bit = (children & nearest) != 0u ? nearest : children & (0u - children);
+  group.node_and_mask ^= bit;
+  return traversal_child(nodes, group.node_and_mask >> 8, traversal_lowest_bit(bit) ^ ray.order);
+}
+
+// After a visit: the reference of the child to go on with; its siblings become the group, and the group
+// before them goes to the stack.
+uint traversal_descend(DeviceAddress nodes, uint node, TraversalVisit visit, TraversalRay ray, float t_max,
+                       const bool any_hit, inout TraversalGroup group, inout uint stack_size) {
+  if (visit.mask == 0u) return traversal_next(nodes, ray, t_max, any_hit, group, stack_size);
+  uint slot = visit.first & TRAVERSAL_KEY_SLOT;
+  uint siblings = visit.mask ^ (1u << (slot ^ ray.order));
+  if (siblings != 0u) {
+    if ((group.node_and_mask & 0xFFu) != 0u) {
+      TRAVERSAL_STACK(stack_size) = TRAVERSAL_PACK(uvec2(group.node_and_mask, group.rest));
+      ++stack_size;
+    }
+    group = TraversalGroup(node << 8 | siblings, visit.rest);
+  }
+  return traversal_child(nodes, node, slot);
 }
 
 // The traversal both queries share. With `any_hit` it ends at the first hit found.
@@ -225,39 +303,38 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
                   const bool any_hit, out uint tag) {
   Hit hit = Hit(t_max, 0.0, 0.0, INVALID_INDEX);
   tag = 0u;
-  TraversalRay ray = traversal_ray(origin, direction);
-  uint next = traversal_is_valid(origin, direction) && t_max > 0.0 ? 0u : TRAVERSAL_DONE;
-  uint group = 0u;
+  // A ray without an end most likely ends at what encloses the scene: large and far.
+  bool is_far_first = any_hit && t_max >= TRAVERSAL_UNBOUNDED;
+  TraversalRay ray = traversal_ray(origin, direction, is_far_first);
+  float limit = traversal_is_valid(origin, direction) ? t_max * TRAVERSAL_FAR_SCALE : -1.0;
+  TraversalGroup group = TraversalGroup(0u, 0u);
   uint stack_size = 0u;
   uint steps = 0u;
+  TraversalVisit root = traversal_visit(nodes, 0u, ray, limit);
+  uint next = traversal_descend(nodes, 0u, root, ray, limit, any_hit, group, stack_size);
   while (next != TRAVERSAL_DONE) {
     while (next < BVH_LEAF_BIT) {
-      uint mask = traversal_visit(nodes, next, ray, hit.t * TRAVERSAL_FAR_SCALE);
-      if (mask != 0u) {
-        if ((group & 0xFFu) != 0u) {
-          traversal_stack[stack_size * WORKGROUP_SIZE + gl_LocalInvocationIndex] = group;
-          ++stack_size;
-        }
-        group = next << 8 | mask;
-      }
-      next = traversal_next(nodes, ray.octant, group, stack_size);
+      TraversalVisit visit = traversal_visit(nodes, next, ray, limit);
+      next = traversal_descend(nodes, next, visit, ray, limit, any_hit, group, stack_size);
       ++steps;
       if (steps >= TRAVERSAL_MAX_STEPS) break;
     }
     if (next != TRAVERSAL_DONE && next >= BVH_LEAF_BIT) {
       uint first = next & BVH_LEAF_FIRST_MASK;
       uint end = first + ((next & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1u;
-      next = traversal_next(nodes, ray.octant, group, stack_size);
       for (uint i = first; i < end; ++i) {
         vec3 tuv;
         uint triangle_tag;
         if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag)) {
           hit = Hit(tuv.x, tuv.y, tuv.z, i);
           tag = triangle_tag;
-          if (any_hit) next = TRAVERSAL_DONE;
+          if (any_hit) i = end;
         }
         ++steps;
       }
+      limit = hit.t * TRAVERSAL_FAR_SCALE;
+      bool is_done = any_hit && hit.triangle != INVALID_INDEX;
+      next = is_done ? TRAVERSAL_DONE : traversal_next(nodes, ray, limit, any_hit, group, stack_size);
     }
     if (steps >= TRAVERSAL_MAX_STEPS && next != TRAVERSAL_DONE) {
       traversal_overrun = 1u;
@@ -269,7 +346,8 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
 
 // The first hit with t in (0, t_max] along origin + t * direction, and its triangle's tag. On a miss the
 // triangle is INVALID_INDEX. A ray that is not finite or has no direction misses.
-Hit trace_closest(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max, out uint tag) {
+Hit trace_closest(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
+                  out uint tag) {
   return traversal_run(nodes, triangles, origin, direction, t_max, false, tag);
 }
 
