@@ -107,6 +107,40 @@ TEST_F(Scale, LitPlaneHasNoAcneAtAnyScale) {
   for (const double scale : {1e-4, 1e-3, 1.0, 37.0, 1e4, 1e6}) expect_no_acne(scale, glm::dvec3(0), 1e-3);
 }
 
+// A plane through the origin, square to an axis: the coordinate along its normal is exactly 0, and so is any
+// error bound that is relative to it. Light from 60 to 85 degrees off the normal, so that the ray's longest
+// component is not the normal's.
+TEST_F(Scale, LitPlaneThroughTheOriginHasNoAcneInGrazingLight) {
+  constexpr uint32_t FILM = 32;
+  const struct {
+    const char* name;
+    glm::dvec3 u, v;
+  } planes[] = {
+      {"x = 0", {0, 1, 0}, {0, 0, 1}}, {"y = 0", {0, 0, 1}, {1, 0, 0}}, {"z = 0", {1, 0, 0}, {0, 1, 0}}};
+  for (const auto& plane : planes)
+    for (const double degrees : {60.0, 75.0, 85.0}) {
+      const glm::dvec3 normal = glm::cross(plane.u, plane.v);
+      const double angle = degrees * std::numbers::pi / 180;
+      const glm::dvec3 to_light =
+          std::cos(angle) * normal + std::sin(angle) * (0.8 * plane.u + 0.6 * plane.v);
+      GltfScene scene;
+      scene.add({quad(-3.0 * (plane.u + plane.v), 6.0 * plane.u, 6.0 * plane.v)}, lambert({1, 1, 1}));
+      scene.add_directional_light(-to_light, 1);
+      scene.set_orthographic(look_at(normal, {0, 0, 0}, plane.v), 1, 1);
+      const image::Image image = render(prepare(scene), point_sampled(FILM, FILM, 2)).image;
+      int dark = 0;
+      double worst = 0;
+      for (const float value : image.rgb) {
+        dark += value == 0;
+        worst = std::max(worst, std::abs(value / (std::cos(angle) / std::numbers::pi) - 1));
+      }
+      std::printf(
+          "plane %s, light at %g degrees: worst relative difference %.3g (bound 1e-3), %d values dark\n",
+          plane.name, degrees, worst, dark);
+      EXPECT_LE(worst, 1e-3) << plane.name;
+    }
+}
+
 // At distance D times its size positions are off by half a unit in the last place on each axis, D 2^-24; the
 // light, 0.9 away, and the point move against each other by twice that, and 1/d^3 amplifies by 3 (by 4 with
 // the cosine).
