@@ -108,7 +108,7 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene.triangles.size(), scene.lights.size(), times.load_seconds, times.bvh_seconds);
 
-  gpu::Device device({options.device, true});
+  gpu::Device device({.select = options.device, .software_stage_times = !outputs.stats.empty()});
   if (device.info().kind == gpu::DeviceKind::Software)
     spdlog::info("device {}: software, rendering on the CPU", device.info().name);
   else

@@ -65,7 +65,8 @@ Faults& faults() {
 DeviceState::DeviceState(const DeviceOptions& options)
     : instance(Instance::open()), chosen(choose(instance.get(), options.select)) {
   has_memory_budget = has_extension(chosen.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
-  measures_time = options.stage_times && info().timestamp_ns > 0;
+  const bool is_wanted = options.software_stage_times || info().kind != DeviceKind::Software;
+  measures_time = is_wanted && info().timestamp_ns > 0;
   memory = chosen.physical.getMemoryProperties();
   device = open(chosen, has_memory_budget);
   queue = vk::raii::Queue(device, chosen.queue_family, 0);

@@ -123,9 +123,9 @@ class Submission {
 struct DeviceOptions {
   std::string select;          ///< index or part of the name; empty: the first usable device
   bool pipeline_cache = true;  ///< keep compiled pipelines in the user's cache folder
-  /// Measure the time of every dispatch. Costs lavapipe about 20 us a dispatch, and others nearly nothing;
-  /// without, the times are 0 and a lost device can only name all stages of its submission.
-  bool stage_times = true;
+  /// Measure the time of every dispatch on software devices too, where it costs lavapipe about 20 us a
+  /// dispatch. Without, their times are 0; other devices are always timed, which costs them nearly nothing.
+  bool software_stage_times = true;
 };
 
 /// An opened device with one compute queue. Not thread-safe.

@@ -135,19 +135,16 @@ struct Renderer::Impl {
     submitted += wave_paths;
   }
 
-  // Waits for the oldest wave; returns its device time.
-  double finish_wave() {
-    double wave_ms = 0;
+  // Waits for the oldest wave.
+  void finish_wave() {
     for (const gpu::StageTime& time : device.wait(in_flight.front().submission)) {
       StageStatistics& stage = statistics.stages[time.stage];
       ++stage.dispatches;
       stage.device_ms += time.device_ms;
-      wave_ms += time.device_ms;
+      statistics.device_seconds += 1e-3 * time.device_ms;
     }
     finished += in_flight.front().paths;
     in_flight.pop_front();
-    statistics.device_seconds += 1e-3 * wave_ms;
-    return wave_ms;
   }
 
   // Copies the film to the host, so that what is done survives the device.
@@ -175,8 +172,9 @@ struct Renderer::Impl {
       while (in_flight.size() < WAVES_IN_FLIGHT && submitted < total_paths)
         submit_wave(static_cast<uint32_t>(std::min<uint64_t>(wave_paths, total_paths - submitted)));
       const uint32_t measured_paths = in_flight.front().paths;
-      double wave_ms = finish_wave();
-      if (device.info().timestamp_ns == 0) wave_ms = 1e3 * seconds_since(last_wave);
+      finish_wave();
+      // The device always has the next wave at hand, so it spent the time since the last wave on this one.
+      const double wave_ms = 1e3 * seconds_since(last_wave);
       last_wave = Clock::now();
       if (settings.wave_paths == 0 && measured_paths == wave_paths) {
         if (wave_ms < SHORT_WAVE_MS) wave_paths = std::min(capacity, 2 * wave_paths);

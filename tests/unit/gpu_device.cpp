@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint32_t WORKGROUP_SIZE = 64;
-const DeviceOptions UNCACHED = {.select = "", .pipeline_cache = false, .stage_times = true};
+const DeviceOptions UNCACHED = {.select = "", .pipeline_cache = false, .software_stage_times = true};
 
 /// Push constants of gpu_probe.comp: target[i] = FACTOR * source[i] + addend for i < count.
 struct ProbeParameters {
@@ -350,7 +350,7 @@ TEST_F(GpuDevice, TimesAreThoseOfTheStagesAndFitInTheWallTime) {
 }
 
 TEST_F(GpuDevice, StagesAreNamedWithoutTimesIfNoneAreWanted) {
-  Device untimed({.select = "", .pipeline_cache = false, .stage_times = false});
+  Device untimed({.select = "", .pipeline_cache = false, .software_stage_times = false});
   Kernel kernel = untimed.create_kernel(
       {.name = "probe", .spirv = probe::spirv("gpu_probe.int32"), .constants = {{0, WORKGROUP_SIZE}}});
   Buffer buffer = untimed.create_buffer(1024, "buffer");
