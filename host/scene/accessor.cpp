@@ -10,7 +10,7 @@ namespace regulus::scene {
 namespace {
 
 // An accessor without data is all zeros; more elements than this are an attack on memory, not a scene.
-constexpr uint64_t MAX_ELEMENTS_WITHOUT_DATA = uint64_t{1} << 24;
+constexpr uint64_t MAX_ELEMENTS_WITHOUT_DATA = uint64_t{1} << 22;
 constexpr uint64_t MAX_ELEMENTS = 0xFFFFFFFEu;
 constexpr unsigned char ZEROS[16] = {};
 

@@ -98,7 +98,7 @@ fs::path Files::resolve(const std::string& uri, const std::string& element) cons
   const fs::path path = folder / fs::path(decoded);
   std::error_code error;
   const fs::path real_folder = fs::weakly_canonical(folder, error);
-  const fs::path real_path = error ? fs::path() : fs::weakly_canonical(path, error);
+  fs::path real_path = error ? fs::path() : fs::weakly_canonical(path, error);
   if (error) fail(scene_file_, fmt::format("{}: cannot resolve '{}': {}", element, decoded, error.message()));
   if (!allow_external_ && !is_below(real_path, real_folder))
     fail(scene_file_,

@@ -112,7 +112,7 @@ std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size
   std::vector<bool> is_placed(parents.size(), false);
   std::vector<PlacedNode> stack;  // explicit: hierarchies may be as deep as there are nodes
   const std::vector<size_t> roots = find_roots(document, scene, parents);
-  for (auto root = roots.rbegin(); root != roots.rend(); ++root) stack.push_back({*root, glm::dmat4(1.0)});
+  for (size_t i = roots.size(); i-- > 0;) stack.push_back({roots[i], glm::dmat4(1.0)});
   while (!stack.empty()) {
     const PlacedNode top = stack.back();
     stack.pop_back();
@@ -126,8 +126,7 @@ std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size
           fmt::format("{}: its transform is not finite; correct it", node_name(document, top.node)));
     placed.push_back({top.node, to_world});
     const auto& children = document.model.nodes[top.node].children;
-    for (auto child = children.rbegin(); child != children.rend(); ++child)
-      stack.push_back({static_cast<size_t>(*child), to_world});
+    for (size_t i = children.size(); i-- > 0;) stack.push_back({static_cast<size_t>(children[i]), to_world});
   }
   return placed;
 }

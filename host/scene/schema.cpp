@@ -160,7 +160,8 @@ class Checker {
     for (auto member = object.begin(); member != object.end(); ++member) {
       const auto rule = rules().find(member.key());
       if (rule != rules().end()) {
-        const std::string member_path = path.empty() ? member.key() : path + "/" + member.key();
+        const std::string member_path =
+            path.empty() ? member.key() : fmt::format("{}/{}", path, member.key());
         check_member(member.value(), member.key(), rule->second, member_path);
       }
     }
@@ -190,7 +191,8 @@ class Checker {
         return;
       case Kind::IndexMap:
         if (!value.is_object()) refuse(path, "an object");
-        for (auto& [name, index] : value.items()) check_index(index, rule.target, path + "/" + name);
+        for (auto& [name, index] : value.items())
+          check_index(index, rule.target, fmt::format("{}/{}", path, name));
         return;
       case Kind::Integer:
         return check_integer(value, MAX_INT, path);
@@ -234,7 +236,7 @@ class Checker {
         member = extensions.erase(member);
         continue;
       }
-      const std::string extension_path = path + "/" + member.key();
+      const std::string extension_path = fmt::format("{}/{}", path, member.key());
       if (!member.value().is_object()) refuse(extension_path, "an object");
       check_object(member.value(), extension_path);
       ++member;

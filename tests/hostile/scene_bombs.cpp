@@ -14,7 +14,7 @@ constexpr double MAX_SECONDS = 5;
 
 std::string timed_error(const std::function<void()>& action) {
   const std::clock_t start = std::clock();
-  const std::string error = error_of(action);
+  std::string error = error_of(action);
   const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
   std::printf("%.3f s (bound %.0f): %s\n", seconds, MAX_SECONDS, error.substr(0, 160).c_str());
   EXPECT_LT(seconds, MAX_SECONDS);
@@ -55,7 +55,7 @@ TEST(SceneBombs, OffsetsThatOverflow) {
 
 TEST(SceneBombs, ZerosWithoutDataAreNoScene) {
   Gltf file;
-  file.root["accessors"].push_back({{"componentType", FLOAT}, {"type", "VEC3"}, {"count", 16000000}});
+  file.root["accessors"].push_back({{"componentType", FLOAT}, {"type", "VEC3"}, {"count", 4000000}});
   file.node({{"mesh", file.mesh({{"attributes", {{"POSITION", 0}}}})}});
   EXPECT_NE(text_error(file.root.dump()).find("no triangle"), std::string::npos);
 }
