@@ -36,7 +36,9 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    return fail(std::string(error.what()) + " (see --help)", regulus::ExitStatus::BadUsage);
+    const bool names_no_command = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
+    const std::string message = names_no_command ? fmt::format("{} is not a command", argv[1]) : error.what();
+    return fail(message + " (see --help)", regulus::ExitStatus::BadUsage);
   }
   return 0;
 }

@@ -1,6 +1,7 @@
 // regulus render: scene in, picture out.
 
 #include <fmt/format.h>
+#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
@@ -37,7 +38,11 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-void set_log_level(const RenderOptions& options) {
+// Messages go to stderr, as one line each: stdout is for results.
+void set_up_log(const RenderOptions& options) {
+  spdlog::set_default_logger(
+      std::make_shared<spdlog::logger>("regulus", std::make_shared<spdlog::sinks::stderr_sink_st>()));
+  spdlog::set_pattern("regulus: %l: %v");
   spdlog::set_level(options.is_quiet     ? spdlog::level::err
                     : options.is_verbose ? spdlog::level::info
                                          : spdlog::level::warn);
@@ -92,7 +97,7 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
 }
 
 void render_scene(CLI::App& command, const RenderOptions& options) {
-  set_log_level(options);
+  set_up_log(options);
   const Outputs outputs = resolve_outputs(options);
   Stopwatch stopwatch;
   LoadTimes times;
@@ -100,10 +105,10 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
   scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external});
   apply_scene_settings(command, scene);
   const render::RenderSettings settings = resolve_settings(options, scene);
-  for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   times.load_seconds = stopwatch.lap();
 
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   times.bvh_seconds = stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene.triangles.size(), scene.lights.size(), times.load_seconds, times.bvh_seconds);

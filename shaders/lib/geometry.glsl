@@ -18,32 +18,36 @@ vec3 next_float_towards(vec3 value, vec3 sign_of) {
   return mix(stepped, value, is_zero);
 }
 
-// Origin for a ray that leaves `position` towards `direction`: shifted along the geometric normal to the
-// side of the direction by more than the rounding error of the position (PBR 4ed, section 6.8.6).
-vec3 offset_origin(vec3 position, vec3 position_error, vec3 normal, vec3 direction) {
-  vec3 side = dot(direction, normal) < 0.0 ? -normal : normal;
-  vec3 offset = dot(abs(side), position_error) * side;
+// Origin for a ray that leaves a surface point towards `direction`: shifted along the geometric normal, to the
+// side of the direction, by the point's `clearance` (below), and rounded away from the surface.
+vec3 offset_origin(vec3 position, float clearance, vec3 normal, vec3 direction) {
+  vec3 offset = dot(direction, normal) < 0.0 ? -clearance * normal : clearance * normal;
   return next_float_towards(position + offset, offset);
 }
 
-// A point of a triangle with its absolute rounding error per axis.
+// A point of a triangle.
 struct SurfacePoint {
   vec3 position;
-  vec3 position_error;
-  vec3 normal;  // geometric, unit, front side
-  float area;   // of the triangle, m^2
+  float clearance;  // m along the normal beyond which no ray from here meets the triangle itself, see below
+  vec3 normal;      // geometric, unit, front side
+  float area;       // of the triangle, m^2
 };
 
-// Bound on the error of b0 p0 + b1 p1 + b2 p2 evaluated in float, relative to the sum of magnitudes: 7
-// roundings of the interpolation (PBR 4ed, section 6.8.5) and as many again of the traversal's plane test
-// that the offset must outweigh.
-const float POSITION_ERROR = 16.0 * 5.9604645e-8;
+const float FLOAT_EPSILON = 5.9604645e-8;  // 2^-24, relative error of one rounding
+// Roundings of b0 p0 + b1 p1 + b2 p2, relative to the sum of magnitudes (PBR 4ed, section 6.8.5).
+const float POSITION_ERROR = 8.0 * FLOAT_EPSILON;
+// Roundings of the traversal's triangle test for an origin on the triangle: the edge functions of its sheared
+// vertices err by at most 6 epsilon E^2, with E the distance to the farthest vertex, so the numerator of t
+// errs by 20 epsilon E^3, and t by that over the projected area. The shift that outweighs it is
+// 20 epsilon E (E^2 / 2 area) whatever the direction. The shape factor is bounded for needles, whose
+// worst case would be many times their width while their typical error is a small part of it.
+const float PLANE_ERROR = 20.0 * FLOAT_EPSILON;
+const float MAX_SHAPE_FACTOR = 64.0;
 
 SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   SurfacePoint point;
   vec3 a = (1.0 - barycentrics.x - barycentrics.y) * p0, b = barycentrics.x * p1, c = barycentrics.y * p2;
   point.position = a + b + c;
-  point.position_error = POSITION_ERROR * (abs(a) + abs(b) + abs(c));
   vec3 cross_product = cross(p1 - p0, p2 - p0);
   // Scaled first: the squared length of a 1e-4 m triangle's cross product would underflow.
   float largest = max(abs(cross_product.x), max(abs(cross_product.y), abs(cross_product.z)));
@@ -51,13 +55,19 @@ SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   float scaled_length = length(scaled);
   point.normal = scaled / scaled_length;
   point.area = 0.5 * largest * scaled_length;
+
+  vec3 to0 = p0 - point.position, to1 = p1 - point.position, to2 = p2 - point.position;
+  float extent_squared = max(dot(to0, to0), max(dot(to1, to1), dot(to2, to2)));
+  float shape = min(extent_squared / (2.0 * point.area), MAX_SHAPE_FACTOR);
+  point.clearance = POSITION_ERROR * dot(abs(point.normal), abs(a) + abs(b) + abs(c)) +
+                    PLANE_ERROR * sqrt(extent_squared) * shape;
   return point;
 }
 
 // Everything shading needs of a hit.
 struct Surface {
   vec3 position;
-  vec3 position_error;
+  float clearance;        // see SurfacePoint
   vec3 geometric_normal;  // unit, front side
   vec3 shading_normal;    // unit, in the hemisphere of geometric_normal
   vec2 uv;
@@ -75,7 +85,7 @@ Surface surface_at(DeviceAddress triangles, DeviceAddress vertices, uint triangl
 
   Surface surface;
   surface.position = point.position;
-  surface.position_error = point.position_error;
+  surface.clearance = point.clearance;
   surface.geometric_normal = point.normal;
   surface.area = point.area;
   surface.shading_normal = point.normal;

@@ -61,7 +61,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   }
   result.radiance = emits ? radiance : vec3(0.0);
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
-  result.target = offset_origin(point.position, point.position_error, point.normal, -result.wi);
+  result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);
   result.is_directional = false;
   result.is_delta = false;
   return result;

@@ -41,6 +41,10 @@ ShadingPoint shading_point(Frame frame, Hit hit, vec3 wo) {
   return point;
 }
 
+// Shadow segments end this much before their target: the traversal's t of the light's own triangle errs by a
+// few roundings of the distance.
+const float SEGMENT_SCALE = 1.0 - 16.0 * FLOAT_EPSILON;
+
 // True if the geometric and the shading normal agree on which side of the surface w is. Where they do not,
 // the bsdf is zero, for walks and connections alike (math.md section 9).
 bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
@@ -93,14 +97,15 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, uint slot, vec
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
   VisibilityCandidate candidate;
-  candidate.origin = offset_origin(point.surface.position, point.surface.position_error, point.geometric_normal, light.wi);
+  candidate.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, light.wi);
   if (light.is_directional) {
     candidate.direction = light.wi;
     candidate.t_max = 3.4e38;
   } else {
     vec3 segment = light.target - candidate.origin;
-    candidate.t_max = length(segment);
-    candidate.direction = segment / candidate.t_max;
+    float distance = length(segment);
+    candidate.direction = segment / distance;
+    candidate.t_max = distance * SEGMENT_SCALE;
   }
   candidate.path = slot;
   candidate.contribution = contribution;
@@ -125,7 +130,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, uint slot, vec4 u) {
   if (!(u.w < survival)) return;
   path.throughput /= survival;
 
-  path.origin = offset_origin(point.surface.position, point.surface.position_error, point.geometric_normal, direction);
+  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
   path.pdf = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : next.pdf_forward;
   path.medium = medium_towards(point, path.medium, next.wi.z);
