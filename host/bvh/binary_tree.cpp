@@ -8,9 +8,13 @@
 #include <embree3/rtcore.h>
 #endif
 
+#include <algorithm>
+#include <limits>
 #include <memory>
 #include <new>
+#include <numeric>
 #include <type_traits>
+#include <utility>
 
 #include "base/error.hpp"
 #include "bvh/bvh.hpp"
@@ -18,6 +22,9 @@
 namespace regulus::bvh {
 
 namespace {
+
+// Nodes on a path that the builder may make before it gives up; real scenes stay below 40.
+constexpr unsigned MAX_DEPTH = 128;
 
 /// A node as the builder's callbacks make it: in Embree's arena, without constructor calls afterwards.
 struct BuildNode {
@@ -63,15 +70,13 @@ std::vector<RTCBuildPrimitive> build_primitives(std::span<const Box> boxes) {
   return primitives;
 }
 
-/// Copies Embree's tree into arrays, depth first, and derives boxes and ranges from the leaves up.
-BinaryTree flatten(const BuildNode* root, std::span<const Box> boxes) {
+/// Copies Embree's tree into arrays, depth first; boxes and ranges of inner nodes are left open.
+BinaryTree flatten(const BuildNode* root) {
   struct Visit {
     const BuildNode* node;
     uint32_t parent, side;
   };
   BinaryTree tree;
-  tree.nodes.reserve(2 * boxes.size());
-  tree.order.reserve(boxes.size());
   std::vector<Visit> stack{{root, 0, 0}};
   while (!stack.empty()) {
     const Visit visit = stack.back();
@@ -82,22 +87,52 @@ BinaryTree flatten(const BuildNode* root, std::span<const Box> boxes) {
     node.first = static_cast<uint32_t>(tree.order.size());
     if (visit.node->is_leaf) {
       node.count = 1;
-      node.box = boxes[visit.node->primitive];
       tree.order.push_back(visit.node->primitive);
     } else {
       stack.push_back({visit.node->children[1], index, 1});
       stack.push_back({visit.node->children[0], index, 0});
     }
   }
+  return tree;
+}
+
+/// Derives boxes and counts of all nodes from the leaves up.
+void sum_up(BinaryTree& tree, std::span<const Box> boxes) {
   for (size_t i = tree.nodes.size(); i-- > 0;) {
     BinaryNode& node = tree.nodes[i];
-    if (node.count == 1) continue;
+    if (node.count == 1) {
+      node.box = boxes[tree.order[node.first]];
+      continue;
+    }
+    node.count = 0;
     for (uint32_t child : node.children) {
       node.box.extend(tree.nodes[child].box);
       node.count += tree.nodes[child].count;
     }
   }
-  return tree;
+}
+
+glm::dvec3 center_of(const Box& box) {
+  return 0.5 * (glm::dvec3(box.lower) + glm::dvec3(box.upper));
+}
+
+/// Halves a range of primitives at the median of the axis along which their centres spread most.
+void halve(std::span<uint32_t> primitives, std::span<const Box> boxes) {
+  glm::dvec3 lower(std::numeric_limits<double>::infinity());
+  glm::dvec3 upper = -lower;
+  for (uint32_t primitive : primitives) {
+    lower = glm::min(lower, center_of(boxes[primitive]));
+    upper = glm::max(upper, center_of(boxes[primitive]));
+  }
+  const glm::dvec3 extent = upper - lower;
+  const int xy = extent.x >= extent.y ? 0 : 1;
+  const int axis = extent[xy] >= extent.z ? xy : 2;
+  const auto key = [&](uint32_t primitive) {
+    return std::pair(center_of(boxes[primitive])[axis], primitive);
+  };
+  const auto middle = primitives.begin() + static_cast<std::ptrdiff_t>(primitives.size() / 2);
+  std::nth_element(primitives.begin(), middle, primitives.end(),
+                   [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
 }
 
 }  // namespace
@@ -108,7 +143,7 @@ Box bounds_of(const InputTriangle& triangle) {
   return box;
 }
 
-BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth) {
+BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
   const EmbreeDevice device(rtcNewDevice(nullptr));
   const EmbreeBvh bvh(device ? rtcNewBVH(device.get()) : nullptr);
   if (!bvh) throw Error(ExitStatus::Failed, "acceleration structure: Embree cannot make a device");
@@ -117,7 +152,7 @@ BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth) {
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
   arguments.maxBranchingFactor = 2;
-  arguments.maxDepth = max_depth;
+  arguments.maxDepth = MAX_DEPTH;
   arguments.minLeafSize = 1;
   arguments.maxLeafSize = 1;
   arguments.bvh = bvh.get();
@@ -129,12 +164,44 @@ BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth) {
   arguments.setNodeBounds = set_bounds;
   arguments.createLeaf = create_leaf;
   const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
-  if (root == nullptr)
-    throw Error(
-        ExitStatus::Failed,
-        fmt::format("acceleration structure over {} triangles: Embree failed (error {}); is memory short?",
-                    boxes.size(), static_cast<int>(rtcGetDeviceError(device.get()))));
-  return flatten(root, boxes);
+  if (root != nullptr) {
+    BinaryTree tree = flatten(root);
+    sum_up(tree, boxes);
+    return tree;
+  }
+  const RTCError error = rtcGetDeviceError(device.get());
+  // Embree reports its depth limit as an unknown error.
+  if (error == RTC_ERROR_UNKNOWN) return {};
+  throw Error(
+      ExitStatus::Failed,
+      fmt::format("acceleration structure over {} triangles: Embree failed (error {}); is memory short?",
+                  boxes.size(), static_cast<int>(error)));
+}
+
+BinaryTree build_median_tree(std::span<const Box> boxes) {
+  struct Visit {
+    uint32_t first, count, parent, side;
+  };
+  BinaryTree tree;
+  tree.order.resize(boxes.size());
+  std::iota(tree.order.begin(), tree.order.end(), 0u);
+  std::vector<Visit> stack{{0, static_cast<uint32_t>(boxes.size()), 0, 0}};
+  while (!stack.empty()) {
+    const Visit visit = stack.back();
+    stack.pop_back();
+    const auto index = static_cast<uint32_t>(tree.nodes.size());
+    if (index > 0) tree.nodes[visit.parent].children[visit.side] = index;
+    BinaryNode& node = tree.nodes.emplace_back();
+    node.first = visit.first;
+    node.count = visit.count;
+    if (visit.count == 1) continue;
+    halve(std::span(tree.order).subspan(visit.first, visit.count), boxes);
+    const uint32_t half = visit.count / 2;
+    stack.push_back({visit.first + half, visit.count - half, index, 1});
+    stack.push_back({visit.first, half, index, 0});
+  }
+  sum_up(tree, boxes);
+  return tree;
 }
 
 }  // namespace regulus::bvh

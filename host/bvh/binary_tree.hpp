@@ -45,10 +45,14 @@ struct BinaryTree {
   std::vector<uint32_t> order;  ///< primitives in depth-first order
 };
 
-/// Builds over the boxes (at least one) on all cores. The same boxes give the same tree on any number of
-/// cores. No path
-/// from the root is longer than `max_depth` nodes.
+/// Builds over the boxes (at least one) on all cores by Embree's binned surface area heuristic. The same
+/// boxes give the same tree on any number of cores.
+/// @returns an empty tree if it would be deeper than 128 nodes.
 /// @throws regulus::Error (Failed) if Embree fails or memory runs out.
-BinaryTree build_binary_tree(std::span<const Box> boxes, uint32_t max_depth);
+BinaryTree build_surface_area_tree(std::span<const Box> boxes);
+
+/// Builds over the boxes (at least one) by splitting at the median of the longest axis: slower to traverse,
+/// but of the least possible depth whatever the scene.
+BinaryTree build_median_tree(std::span<const Box> boxes);
 
 }  // namespace regulus::bvh

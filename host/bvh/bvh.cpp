@@ -11,11 +11,6 @@ namespace regulus::bvh {
 
 namespace {
 
-// Depth of the binary tree. The collapse takes two or three levels into one, so what the first limit allows
-// fits the traversal stack but for contrived scenes, which are built again within the second.
-constexpr uint32_t BINARY_DEPTH = 128;
-constexpr uint32_t SHALLOW_BINARY_DEPTH = 40;
-
 void require_encodable(size_t triangles, size_t nodes) {
   if (triangles > interface::BVH_LEAF_FIRST_MASK || nodes > interface::BVH_MAX_NODES)
     throw Error(
@@ -34,17 +29,18 @@ Bvh build(std::span<const InputTriangle> triangles) {
   boxes.reserve(triangles.size());
   for (const InputTriangle& triangle : triangles) boxes.push_back(bounds_of(triangle));
 
-  BinaryTree binary = build_binary_tree(boxes, BINARY_DEPTH);
+  BinaryTree binary = build_surface_area_tree(boxes);
   WideTree wide = collapse(binary);
-  if (wide.depth > interface::BVH_MAX_DEPTH) {
-    binary = build_binary_tree(boxes, SHALLOW_BINARY_DEPTH);
+  if (binary.nodes.empty() || wide.depth > interface::BVH_MAX_DEPTH) {
+    // Triangles nested at extremely different scales.
+    binary = build_median_tree(boxes);
     wide = collapse(binary);
   }
   if (wide.depth > interface::BVH_MAX_DEPTH)
     throw Error(ExitStatus::Failed,
-                fmt::format("acceleration structure: {} levels deep, at most {} can be traversed; "
-                            "remove triangles nested at extremely different scales",
-                            wide.depth, interface::BVH_MAX_DEPTH));
+                fmt::format("acceleration structure: {} levels over {} triangles, at most {} can "
+                            "be traversed; split the scene",
+                            wide.depth, triangles.size(), interface::BVH_MAX_DEPTH));
   require_encodable(triangles.size(), wide.nodes.size());
   return encode(binary, wide, triangles);
 }

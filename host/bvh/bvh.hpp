@@ -28,8 +28,8 @@ struct Bvh {
 
 /// Builds over `triangles` (may be empty) on all cores. The same triangles give the same structure on any
 /// number of cores.
-/// @throws regulus::Error (Failed) if memory runs out, the scene is too large for the node references, or the
-/// tree is deeper than the traversal stack.
+/// @throws regulus::Error (Failed) if memory runs out or the scene is too large for the node references
+/// or the traversal stack.
 Bvh build(std::span<const InputTriangle> triangles);
 
 }  // namespace regulus::bvh

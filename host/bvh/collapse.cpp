@@ -121,8 +121,9 @@ WideTree collapse(const BinaryTree& tree) {
   struct Visit {
     uint32_t binary, wide, depth;
   };
-  const std::vector<Plan> plans = plan_tree(tree);
   WideTree wide;
+  if (tree.nodes.empty()) return wide;
+  const std::vector<Plan> plans = plan_tree(tree);
   wide.nodes.emplace_back();
   std::vector<Visit> stack{{0, 0, 1}};
   std::vector<uint32_t> children;

@@ -26,6 +26,7 @@ struct WideTree {
   uint32_t depth = 0;           ///< nodes on the longest path from the root
 };
 
+/// An empty tree gives an empty tree.
 WideTree collapse(const BinaryTree& tree);
 
 }  // namespace regulus::bvh

@@ -8,7 +8,9 @@ namespace regulus::bvh {
 namespace {
 
 constexpr int EXPONENT_BIAS = 127;
-// Quantum of a flat axis: far below any length that matters, and its square still a normal number.
+// The quantum of a flat axis is this far below the float spacing of its coordinates, but never below 2^-60,
+// whose square is still a normal number.
+constexpr int FLAT_EXPONENT = -12;
 constexpr int MIN_EXPONENT = -60;
 constexpr int MAX_EXPONENT = 127;
 constexpr double MAX_PLANE = 255;
@@ -36,8 +38,11 @@ struct AxisGrid {
 /// The finest grid whose planes 0 and 255 enclose [lower, upper] with the margin.
 AxisGrid fit_grid(float lower, float upper) {
   const double extent = double{upper} - lower;
-  int exponent = extent > 0 ? static_cast<int>(std::floor(std::log2(extent / MAX_PLANE))) : MIN_EXPONENT;
-  for (exponent = std::max(exponent, MIN_EXPONENT); exponent < MAX_EXPONENT; ++exponent) {
+  const float magnitude = std::max(std::abs(lower), std::abs(upper));
+  const int spacing = magnitude > 0 ? std::ilogb(magnitude) - 23 : MIN_EXPONENT;
+  const int least = std::max(spacing + FLAT_EXPONENT, MIN_EXPONENT);
+  const int exponent_of_extent = extent > 0 ? std::ilogb(extent / MAX_PLANE) : least;
+  for (int exponent = std::max(exponent_of_extent, least); exponent < MAX_EXPONENT; ++exponent) {
     const double margin = std::ldexp(MARGIN, exponent);
     float origin = static_cast<float>(lower - margin);
     if (origin > lower - margin) origin = std::nextafter(origin, -std::numeric_limits<float>::infinity());
