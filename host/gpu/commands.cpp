@@ -86,7 +86,7 @@ void CommandList::Impl::begin_dispatch(const Kernel& kernel, std::span<const std
   check_words(push_constants.size(), "push constant size");
   order_after_previous();
   const vk::raii::CommandBuffer& commands = recording->commands;
-  commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.impl->pipeline);
+  commands.bindPipeline(vk::PipelineBindPoint::eCompute, **kernel.impl->pipeline);
   if (!push_constants.empty())
     commands.pushConstants<std::byte>(*state->layout, vk::ShaderStageFlagBits::eCompute, 0,
                                       {static_cast<uint32_t>(push_constants.size()), push_constants.data()});

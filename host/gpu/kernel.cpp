@@ -64,9 +64,12 @@ Kernel Device::create_kernel(const KernelDescription& description) {
   DeviceState& state = *impl->state;
   Kernel kernel;
   try {
-    vk::raii::Pipeline pipeline = state.cache_folder.empty() ? compile(state, description, nullptr)
-                                                             : compile_cached(state, description);
-    kernel.impl.reset(new Kernel::Impl{impl->state, description.name, std::move(pipeline)});
+    std::shared_ptr<vk::raii::Pipeline>& pipeline = state.pipelines[kernel_key(state.driver, description)];
+    if (!pipeline)
+      pipeline = std::make_shared<vk::raii::Pipeline>(state.cache_folder.empty()
+                                                          ? compile(state, description, nullptr)
+                                                          : compile_cached(state, description));
+    kernel.impl.reset(new Kernel::Impl{impl->state, description.name, pipeline});
   } catch (const vk::SystemError& error) {
     if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);
     throw Error(ExitStatus::Failed,

@@ -31,16 +31,6 @@ uint64_t hash_bytes(std::span<const std::byte> bytes, uint64_t hash = 0xcbf29ce4
   return hash;
 }
 
-uint64_t kernel_key(const DriverIdentity& driver, const KernelDescription& kernel) {
-  uint64_t key = hash_bytes(bytes_of(driver));
-  key = hash_bytes(std::as_bytes(kernel.spirv), key);
-  for (const auto& [id, value] : kernel.constants) {
-    key = hash_bytes(bytes_of(id), key);
-    key = hash_bytes(bytes_of(value), key);
-  }
-  return key;
-}
-
 /// A driver need not check what it is given, so the header that every driver's data begins with is checked
 /// here.
 bool is_from(const DriverIdentity& driver, std::span<const std::byte> data) {
@@ -64,6 +54,16 @@ std::vector<std::byte> read_file(const fs::path& path) {
 }
 
 }  // namespace
+
+uint64_t kernel_key(const DriverIdentity& driver, const KernelDescription& kernel) {
+  uint64_t key = hash_bytes(bytes_of(driver));
+  key = hash_bytes(std::as_bytes(kernel.spirv), key);
+  for (const auto& [id, value] : kernel.constants) {
+    key = hash_bytes(bytes_of(id), key);
+    key = hash_bytes(bytes_of(value), key);
+  }
+  return key;
+}
 
 fs::path cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "regulus";

@@ -22,6 +22,9 @@ struct DriverIdentity {
   std::array<uint8_t, 16> cache_uuid{};
 };
 
+/// Hash of driver, shader and specialization: what a compiled pipeline depends on.
+uint64_t kernel_key(const DriverIdentity& driver, const KernelDescription& kernel);
+
 /// $XDG_CACHE_HOME/regulus or ~/.cache/regulus; empty if neither is set.
 std::filesystem::path cache_folder();
 

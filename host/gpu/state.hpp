@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -54,6 +55,8 @@ struct DeviceState {
   vk::raii::CommandPool pool{nullptr};
   vk::raii::PipelineLayout layout{nullptr};  ///< push constants only, the same for every kernel
   std::vector<std::unique_ptr<Recording>> idle;
+  /// By kernel_key: a kernel asked for again, by the next render on this device, is not compiled again.
+  std::map<uint64_t, std::shared_ptr<vk::raii::Pipeline>> pipelines;
   Allocation staging;                  ///< made at the first copy between host and device
   std::filesystem::path cache_folder;  ///< empty: no pipeline cache
   DriverIdentity driver;
@@ -98,7 +101,7 @@ vk::Buffer checked_range(const Buffer& buffer, uint64_t offset, uint64_t bytes);
 struct Kernel::Impl {
   std::shared_ptr<DeviceState> state;
   std::string name;
-  vk::raii::Pipeline pipeline;
+  std::shared_ptr<vk::raii::Pipeline> pipeline;
 };
 
 struct CommandList::Impl {
