@@ -17,6 +17,7 @@ Candidate choose(const Instance* instance, std::string_view select) {
   std::vector<Candidate> candidates;
   if (instance) candidates = find_devices(*instance);
   std::vector<DeviceInfo> infos;
+  infos.reserve(candidates.size());
   for (const Candidate& candidate : candidates) infos.push_back(candidate.info);
   return candidates[select_device(infos, select)];
 }

@@ -71,7 +71,7 @@ fs::path cache_folder() {
   return {};
 }
 
-PipelineCacheFile::PipelineCacheFile(fs::path folder, const DriverIdentity& driver,
+PipelineCacheFile::PipelineCacheFile(const fs::path& folder, const DriverIdentity& driver,
                                      const KernelDescription& kernel)
     : driver_(driver), key_(kernel_key(driver, kernel)) {
   if (!folder.empty()) path_ = folder / fmt::format("{:016x}{}", key_, EXTENSION);

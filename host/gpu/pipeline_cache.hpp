@@ -31,7 +31,7 @@ std::filesystem::path cache_folder();
 class PipelineCacheFile {
  public:
   /// An empty folder makes a cache that holds nothing.
-  PipelineCacheFile(std::filesystem::path folder, const DriverIdentity& driver,
+  PipelineCacheFile(const std::filesystem::path& folder, const DriverIdentity& driver,
                     const KernelDescription& kernel);
 
   /// Data for vkCreatePipelineCache; empty unless the file is there, whole, and of this driver and kernel.

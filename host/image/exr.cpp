@@ -67,7 +67,7 @@ Imf::Slice rgb_slice(const Image& image, const size_t component, const Imath::Bo
 
 std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels) {
   const Imf::Header header = make_header(image, attributes, channels);
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   Imf::FrameBuffer pixels;
   for (size_t component = 0; component < 3; ++component)
     pixels.insert(std::string(1, "RGB"[component]), rgb_slice(image, component, window));
@@ -85,7 +85,7 @@ std::string encode_exr(const Image& image, const Attributes& attributes, const C
 
 /// Refuses what would make the decoder or us allocate out of proportion to the file.
 void check_window(const fs::path& path, const Imf::Header& header, const uint64_t file_bytes) {
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   const int64_t width = int64_t{window.max.x} - window.min.x + 1;
   const int64_t height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > MAX_EXTENT || height > MAX_EXTENT)
@@ -135,7 +135,7 @@ Image decode_exr(const fs::path& path, const uint64_t file_bytes, Attributes* at
   Imf::InputFile file(path.c_str());
   const Imf::Header& header = file.header();
   check_window(path, header, file_bytes);
-  const Imath::Box2i window = header.dataWindow();
+  const Imath::Box2i& window = header.dataWindow();
   const std::array<std::string, 3> names = find_rgb(path, header.channels());
 
   Image image;
