@@ -32,11 +32,22 @@ struct Measurement {
   double ratio() const { return mrays_per_s / embree_mrays_per_s; }
 };
 
+// Device and Embree run for this long in turns: equally long, so that other load on the machine slows both
+// alike.
+constexpr double TURN_SECONDS = 0.1;
+
+/// Runs per second of `work`, which is run until a turn is over.
 template <typename Work>
-double seconds_of(const Work& work) {
+double rate_of(const Work& work) {
   const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  double seconds = 0;
+  uint32_t runs = 0;
+  while (seconds < TURN_SECONDS) {
+    work();
+    ++runs;
+    seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  }
+  return runs / seconds;
 }
 
 double median(std::vector<double> values) {
@@ -119,14 +130,14 @@ class SceneBench {
 
     trace_embree();
     trace_device();
-    std::vector<double> embree_seconds, device_seconds;
+    std::vector<double> embree_rates, device_rates;
     for (uint32_t i = 0; i < repeats_; ++i) {
-      embree_seconds.push_back(seconds_of(trace_embree));
-      device_seconds.push_back(seconds_of(trace_device));
+      embree_rates.push_back(rate_of(trace_embree));
+      device_rates.push_back(rate_of(trace_device));
     }
     const double millions = 1e-6 * static_cast<double>(rays.size());
-    return {name_, kind, is_any ? "any" : "closest", millions / median(device_seconds),
-            millions / median(embree_seconds)};
+    return {name_, kind, is_any ? "any" : "closest", millions * median(device_rates),
+            millions * median(embree_rates)};
   }
 
   gpu::Device& device_;

@@ -300,6 +300,20 @@ TEST(BvhHits, RaysThatAreNoRaysMiss) {
   EXPECT_EQ(queries.overruns(), 0u);
 }
 
+TEST(BvhHits, EndlessWorkIsCutShortAndCounted) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  // More copies of one triangle than a ray may test (TRAVERSAL_MAX_STEPS), beside a triangle that stands
+  // alone.
+  Triangles triangles(20000, {{glm::vec3(0, 0, 1), glm::vec3(1, 0, 1), glm::vec3(0, 1, 1)}});
+  triangles.push_back({{glm::vec3(5, 0, 2), glm::vec3(6, 0, 2), glm::vec3(5, 1, 2)}});
+  RayQueries queries(triangles);
+  const Rays rays = {make_ray({0.2, 0.2, 0}, {0, 0, 1}), make_ray({5.2, 0.2, 0}, {0, 0, 1})};
+  const std::vector<interface::Hit> hits = queries.closest(rays);
+  EXPECT_EQ(queries.overruns(), 1u);
+  EXPECT_EQ(hits[0].t, 1);
+  EXPECT_EQ(hits[1].t, 2);
+}
+
 TEST(BvhHits, AnEmptySceneIsMissed) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   Random random(8);
