@@ -14,6 +14,9 @@ function(regulus_library name)
   target_link_libraries(${name} PUBLIC regulus_options ${ARG_LINK})
 endfunction()
 
+# All tests that need no device: what is built and run under sanitizers.
+add_custom_target(regulus_host_tests)
+
 # A GoogleTest executable `regulus_test_<name>`, registered with ctest under its own name.
 # Labels (for `ctest -L`): DEVICE when the test needs a Vulkan device.
 function(regulus_test name)
@@ -23,6 +26,9 @@ function(regulus_test name)
   target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main ${ARG_LINK})
   target_compile_definitions(${target} PRIVATE
     REGULUS_SOURCE_DIR="${CMAKE_SOURCE_DIR}" REGULUS_ASSETS_DIR="${CMAKE_SOURCE_DIR}/../shared/assets")
+  if(NOT "DEVICE" IN_LIST ARG_LABELS)
+    add_dependencies(regulus_host_tests ${target})
+  endif()
   add_test(NAME ${name} COMMAND ${target} WORKING_DIRECTORY ${CMAKE_BINARY_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900)
 endfunction()
