@@ -26,8 +26,16 @@ const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMI
                                                          {"smith-uncorrelated", SHADOWING_SMITH_UNCORRELATED},
                                                          {"v-cavity", SHADOWING_V_CAVITY}};
 const std::map<std::string, uint32_t> FILTER_NAMES = {{"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}};
-const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT}, {"nee", TECHNIQUE_NEE}};
-const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"}};
+const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT},
+                                                         {"nee", TECHNIQUE_NEE},
+                                                         {"splat", TECHNIQUE_SPLAT},
+                                                         {"connect", TECHNIQUE_CONNECT},
+                                                         {"merge", TECHNIQUE_MERGE}};
+const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
+                                                        {"lt", "splat"},
+                                                        {"bpt", "hit,nee,splat,connect"},
+                                                        {"bpm", "hit,nee,merge"},
+                                                        {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
 const std::set<std::string> COMMAND_LINE_ONLY = {"output",         "png",   "stats",   "device", "scene",
@@ -72,12 +80,39 @@ uint32_t parse_techniques(const std::string& list) {
   for (std::string name; std::getline(stream, name, ',');) {
     const auto found = TECHNIQUE_NAMES.find(name);
     if (found == TECHNIQUE_NAMES.end())
-      throw Error(ExitStatus::BadUsage,
-                  fmt::format("--techniques {}: \"{}\" is not one of hit, nee", list, name));
+      throw Error(
+          ExitStatus::BadUsage,
+          fmt::format("--techniques {}: \"{}\" is not one of hit, nee, splat, connect, merge", list, name));
     techniques |= found->second;
   }
   if (techniques == 0) throw Error(ExitStatus::BadUsage, "--techniques: the list is empty");
   return techniques;
+}
+
+uint32_t parse_connections(const std::string& text) {
+  constexpr std::string_view CACHE = "cache:";
+  if (text == "paired") return 0;
+  uint32_t count = 0;
+  if (text.starts_with(CACHE)) {
+    const auto [end, error] = std::from_chars(text.data() + CACHE.size(), text.data() + text.size(), count);
+    if (error == std::errc{} && end == text.data() + text.size() && count >= 1 && count <= 1024) return count;
+  }
+  throw Error(ExitStatus::BadUsage,
+              fmt::format("--connections {}: expected paired or cache:M with M from 1 to 1024", text));
+}
+
+// In metres.
+float parse_merge_radius(const std::string& text, float scene_radius) {
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view unit(end, static_cast<size_t>(text.data() + text.size() - end));
+  const float radius = unit == "%" ? 0.01f * value * scene_radius : value;
+  if (error != std::errc{} || !(unit.empty() || unit == "%") || !std::isfinite(radius) || !(radius > 0))
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--merge-radius {}: expected metres, such as 0.01, or percent of the scene's "
+                            "radius, such as 0.3%",
+                            text));
+  return radius;
 }
 
 }  // namespace
@@ -91,10 +126,26 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG");
   command.add_option("--exposure", options.exposure_ev, "Exposure of the PNG, in stops")
       ->check(CLI::Range(-100.0, 100.0));
-  command.add_option("-i,--integrator", options.integrator, "A named set of techniques: pt")
+  command
+      .add_option("-i,--integrator", options.integrator, "A named set of techniques: pt, lt, bpt, bpm, vcm")
       ->check(CLI::IsMember(INTEGRATORS));
   command.add_option("--techniques", options.techniques,
-                     "The techniques themselves, comma-separated: hit,nee");
+                     "The techniques themselves, comma-separated: hit,nee,splat,connect,merge");
+  command
+      .add_option("--light-paths", settings.light_paths,
+                  "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
+      ->check(CLI::Range(1u, 1u << 28));
+  command.add_option("--connections", options.connections,
+                     "Light vertices a camera vertex connects to: paired (those of its own light path) or "
+                     "cache:M (M drawn from all of the iteration)");
+  command.add_option("--merge-radius", options.merge_radius,
+                     "Merge radius of the first iteration in metres, or in percent of the scene's radius, as "
+                     "in 0.3%");
+  command
+      .add_option("--merge-reduction", settings.merge_reduction,
+                  "The merge radius of iteration i is the first one's times i to minus this power")
+      ->check(CLI::Range(0.0, 0.5))
+      ->capture_default_str();
   command.add_option("-s,--spp", settings.samples, "Samples per pixel")
       ->check(CLI::Range(1u, 1u << 24))
       ->capture_default_str();
@@ -155,6 +206,12 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.height = size.y;
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
+  settings.cache_connections = parse_connections(options.connections);
+  const float scene_radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
+  settings.merge_radius = options.merge_radius.empty()
+                              ? render::DEFAULT_MERGE_RADIUS * scene_radius
+                              : parse_merge_radius(options.merge_radius, scene_radius);
+  if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   if (settings.filter == FILTER_BOX) settings.filter_radius = 0.5f;
   return settings;
 }

@@ -20,6 +20,8 @@ struct RenderOptions {
   std::string camera;  ///< index or name; empty: the first
   std::string integrator = "pt";
   std::string techniques;  ///< comma-separated; empty: the integrator's
+  std::string connections = "paired";
+  std::string merge_radius;  ///< metres or percent; empty: the default
   std::string device;
   float exposure_ev = 0;
   std::optional<uint32_t> scene_index;

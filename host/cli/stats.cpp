@@ -22,6 +22,11 @@ constexpr std::pair<const char*, uint32_t> FEATURE_NAMES[] = {
     {"many_lights", FEATURE_MANY_LIGHTS},
     {"smooth_normals", FEATURE_SMOOTH_NORMALS},
     {"two_sided_lights", FEATURE_TWO_SIDED_LIGHTS}};
+constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQUE_HIT},
+                                                                {"nee", TECHNIQUE_NEE},
+                                                                {"splat", TECHNIQUE_SPLAT},
+                                                                {"connect", TECHNIQUE_CONNECT},
+                                                                {"merge", TECHNIQUE_MERGE}};
 constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
 constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
 constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
@@ -29,8 +34,8 @@ constexpr const char* FILTER_NAMES[] = {"box", "gaussian"};
 
 nlohmann::json settings_json(const render::RenderSettings& settings) {
   nlohmann::json techniques = nlohmann::json::array();
-  if (settings.techniques & TECHNIQUE_HIT) techniques.push_back("hit");
-  if (settings.techniques & TECHNIQUE_NEE) techniques.push_back("nee");
+  for (const auto& [name, bit] : TECHNIQUE_NAMES)
+    if (settings.techniques & bit) techniques.push_back(name);
   return {{"width", settings.width},
           {"height", settings.height},
           {"camera", settings.camera},
@@ -39,6 +44,10 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
           {"max_depth", settings.max_depth},
           {"seed", settings.seed},
           {"techniques", techniques},
+          {"light_paths", settings.light_paths},
+          {"cache_connections", settings.cache_connections},
+          {"merge_radius", settings.merge_radius},
+          {"merge_reduction", settings.merge_reduction},
           {"ndf", NDF_NAMES[settings.ndf]},
           {"shadowing", SHADOWING_NAMES[settings.shadowing]},
           {"filter", FILTER_NAMES[settings.filter]},

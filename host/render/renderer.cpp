@@ -4,6 +4,7 @@
 #include <chrono>
 #include <deque>
 
+#include "base/error.hpp"
 #include "render/device_scene.hpp"
 #include "render/stages.hpp"
 
@@ -72,6 +73,8 @@ struct Renderer::Impl {
         total_paths(pixels * settings.samples),
         capacity(choose_capacity(device, settings, total_paths)),
         scene(device, scene_in, bvh) {
+    if (settings.techniques & LIGHT_SUBPATH_TECHNIQUES)
+      throw Error(ExitStatus::BadUsage, "techniques splat, connect and merge are not built for devices yet");
     create_buffers();
     write_frame(scene_in);
     pipeline = build_pipeline(device, scene::find_features(scene_in), settings);

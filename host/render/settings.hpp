@@ -8,6 +8,13 @@
 
 namespace regulus::render {
 
+/// Merge radius where none is given, in radii of the scene's bounding sphere (as SmallVCM).
+inline constexpr float DEFAULT_MERGE_RADIUS = 0.003f;
+
+/// Techniques that need light subpaths.
+inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
+    interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+
 struct RenderSettings {
   uint32_t width = 0, height = 0;  ///< film, pixels
   uint32_t camera = 0;             ///< index into Scene::cameras
@@ -16,6 +23,12 @@ struct RenderSettings {
   uint32_t max_depth = 12;         ///< path edges
   uint32_t seed = 0;
   uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
+  uint32_t light_paths = 0;        ///< per iteration (one sample of every pixel); 0: as many as pixels
+  uint32_t cache_connections = 0;  ///< light vertices a camera vertex connects to, drawn from all of the
+                                   ///< iteration's; 0: those of its own light path (paired)
+  float merge_radius = 0;          ///< metres, of the first iteration; 0: DEFAULT_MERGE_RADIUS
+  float merge_reduction =
+      1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   uint32_t filter = interface::FILTER_GAUSSIAN;

@@ -44,6 +44,9 @@ REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emi
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
 REGULUS_CONSTANT TECHNIQUE_NEE = 2u;
+REGULUS_CONSTANT TECHNIQUE_SPLAT = 4u;
+REGULUS_CONSTANT TECHNIQUE_CONNECT = 8u;
+REGULUS_CONSTANT TECHNIQUE_MERGE = 16u;
 
 // Dimensions of the random sequence. One block is four numbers; a path uses block CAMERA once and the
 // others once per bounce: block index = DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + k.
@@ -52,6 +55,10 @@ REGULUS_CONSTANT DIMENSION_BLOCKS_FIRST = 1u;
 REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT = 0u;          // light, alias, position u, position v
 REGULUS_CONSTANT DIMENSION_BLOCK_BSDF = 1u;           // lobe, direction u, direction v, roulette
 REGULUS_CONSTANT DIMENSION_BLOCKS_PER_BOUNCE = 2u;
+// Light path k of iteration i draws random_block(seed, k, i, block): blocks of its own, beyond every bounce's.
+REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION = 1u << 16;  // light, alias, position u, position v
+REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION_DIRECTION = DIMENSION_BLOCK_EMISSION + 1u;  // direction u, v, unused
+REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT_BSDF = DIMENSION_BLOCK_EMISSION + 2u;  // + bounce: as DIMENSION_BLOCK_BSDF
 
 // State of a camera path between stages: the ray to trace next and what it carries.
 struct Path {
