@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
@@ -122,21 +123,23 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
   times.pipeline_seconds = device.pipeline_seconds();
 
   catch_interrupts();
-  std::exception_ptr failure;
+  std::optional<Error> failure;
   try {
     ProgressLine progress(!options.is_quiet);
     renderer.render([&](uint64_t done, uint64_t total) {
       progress.update(done, total);
       return !is_interrupted();
     });
-  } catch (const Error&) {
-    failure = std::current_exception();  // a lost device: what was rendered before is still written
+  } catch (const Error& error) {
+    failure = error;  // a lost device: what was rendered before is still written
     if (renderer.film().paths == 0) throw;
   }
   write_outputs(outputs, options, renderer, image_attributes(device, scene, settings, renderer),
                 render_statistics(device, scene, settings, renderer, times));
   report(renderer, settings, outputs);
-  if (failure) std::rethrow_exception(failure);
+  if (failure)
+    throw Error(failure->status(),
+                fmt::format("{}; {} holds what was rendered before", failure->what(), outputs.exr.string()));
   if (renderer.film().paths < uint64_t{settings.width} * settings.height * settings.samples)
     throw Error(ExitStatus::Interrupted,
                 fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));

@@ -5,6 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "gpu/faults.hpp"
 #include "gpu/limits.hpp"
 #include "gpu/state.hpp"
 
@@ -88,6 +89,7 @@ void Device::download(const Buffer& buffer, uint64_t offset, std::span<std::byte
     wait(submission);
     std::memcpy(data.data() + done, staging, bytes);
   });
+  if (faults().downloads_before_loss.value_or(0) > 0) --*faults().downloads_before_loss;
 }
 
 }  // namespace regulus::gpu

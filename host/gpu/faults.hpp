@@ -2,6 +2,9 @@
 // normal use. Internal to host/gpu and its tests.
 #pragma once
 
+#include <cstdint>
+#include <optional>
+
 namespace regulus::gpu {
 
 /// Each fault stays on until it is switched off.
@@ -9,6 +12,11 @@ struct Faults {
   bool lost_at_submit = false;  ///< submitting finds the device lost; nothing is handed to it
   bool lost_at_wait = false;    ///< waiting finds the device lost, after the work has really ended
   bool out_of_memory = false;   ///< the driver has no memory for a buffer
+  /// Once this many downloads have ended, waiting finds the device lost. Unset: never.
+  std::optional<uint32_t> downloads_before_loss;
+
+  /// True if the next wait is to find the device lost.
+  bool loses_device_at_wait() const { return lost_at_wait || downloads_before_loss == 0u; }
 };
 
 /// The faults of this process.

@@ -66,7 +66,8 @@ int Submission::Impl::completed_stages() const {
 void Submission::Impl::wait() {
   try {
     const vk::Result status = state->device.waitForFences(*recording->fence, true, UINT64_MAX);
-    if (status != vk::Result::eSuccess || faults().lost_at_wait) throw vk::DeviceLostError("wait");
+    if (faults().loses_device_at_wait()) state->device.waitIdle();  // nothing runs on a device that is lost
+    if (status != vk::Result::eSuccess || faults().loses_device_at_wait()) throw vk::DeviceLostError("wait");
   } catch (const vk::DeviceLostError&) {
     state->throw_lost(stages, completed_stages());
   } catch (const vk::SystemError& error) {

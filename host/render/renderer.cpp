@@ -153,9 +153,11 @@ struct Renderer::Impl {
   // Copies the film to the host, so that what is done survives the device.
   void take_snapshot() {
     while (!in_flight.empty()) finish_wave();
-    device.download(film_sums, 0, std::as_writable_bytes(std::span(film.words)));
-    film.paths = finished;
+    // The film changes as a whole or, if the device is lost on the way, not at all.
+    std::vector<uint32_t> sums = gpu::download_all<uint32_t>(device, film_sums, film.words.size());
     const auto words = gpu::download_all<uint32_t>(device, counters, 2 * COUNTER_COUNT);
+    film.words.swap(sums);
+    film.paths = finished;
     const auto counter = [&](uint32_t index) {
       return words[2 * index] | uint64_t{words[2 * index + 1]} << 32;
     };
