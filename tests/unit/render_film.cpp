@@ -1,0 +1,60 @@
+// The film on the host: fixed-point sums and counts of paths into means.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "interface/wavefront.h"
+#include "render/film.hpp"
+
+namespace regulus::render {
+namespace {
+
+constexpr int WORDS = interface::FILM_WORDS_PER_PIXEL;
+constexpr int FRACTION = interface::FILM_FRACTION_BITS;
+
+Film empty_film(uint32_t width, uint32_t height, uint64_t paths) {
+  return {width, height, std::vector<uint32_t>(size_t{width} * height * WORDS), paths};
+}
+
+/// Sets bit `bit` of the 96-bit sum of a channel: the value 2^(bit - FRACTION).
+void set_bit(Film& film, size_t pixel, size_t channel, int bit) {
+  film.words[pixel * WORDS + 3 * channel + bit / 32] |= 1u << bit % 32;
+}
+
+TEST(Film, CountsWholeSamplesPixelByPixel) {
+  const Film film = empty_film(3, 2, 6 * 4 + 2);  // two pixels are one sample ahead
+  for (uint64_t pixel = 0; pixel < 6; ++pixel) EXPECT_EQ(film.samples(pixel), pixel < 2 ? 5u : 4u) << pixel;
+  EXPECT_EQ(empty_film(3, 2, 0).samples(0), 0u);
+}
+
+TEST(Film, ResolvesEveryBitOfEverySum) {
+  for (int bit = 0; bit < 96; ++bit)
+    for (size_t channel = 0; channel < 3; ++channel) {
+      Film film = empty_film(2, 1, 2 * 8);
+      set_bit(film, 1, channel, bit);
+      const image::Image image = resolve(film);
+      for (size_t i = 0; i < 6; ++i)
+        EXPECT_EQ(image.rgb[i], i == 3 + channel ? std::ldexp(1.0f, bit - FRACTION - 3) : 0.0f) << bit;
+    }
+}
+
+TEST(Film, DividesByThePixelsOwnSamples) {
+  Film film = empty_film(2, 2, 4 * 2 + 1);
+  for (size_t pixel = 0; pixel < 4; ++pixel)
+    for (const int bit : {FRACTION, FRACTION + 1, FRACTION + 33}) set_bit(film, pixel, 1, bit);
+  const double sum = 1 + 2 + 0x1p33;
+  const image::Image image = resolve(film);
+  EXPECT_EQ(image.width, 2u);
+  EXPECT_EQ(image.height, 2u);
+  EXPECT_EQ(image.rgb[3 * 0 + 1], static_cast<float>(sum / 3));
+  for (size_t pixel = 1; pixel < 4; ++pixel) EXPECT_EQ(image.rgb[3 * pixel + 1], static_cast<float>(sum / 2));
+}
+
+TEST(Film, PixelsWithoutASampleAreBlack) {
+  Film film = empty_film(2, 1, 1);
+  set_bit(film, 0, 0, FRACTION);
+  EXPECT_EQ(resolve(film).rgb, (std::vector<float>{1, 0, 0, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace regulus::render

@@ -1,0 +1,50 @@
+// Which stages of the pass are built: none that a scene or the techniques do not need.
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+#include "render/stages.hpp"
+
+namespace regulus::render {
+namespace {
+
+using namespace interface;
+using Names = std::set<std::string>;
+
+Names needed(uint32_t material_classes, uint32_t techniques) {
+  scene::Features features;
+  features.material_classes = material_classes;
+  RenderSettings settings;
+  settings.techniques = techniques;
+  Names names;
+  for (const StageStep& step : PATH_TRACING_PASS)
+    if (is_needed(step, features, settings)) names.insert(step.name);
+  return names;
+}
+
+constexpr uint32_t DIFFUSE = 1u << MATERIAL_CLASS_DIFFUSE, OPAQUE = 1u << MATERIAL_CLASS_OPAQUE,
+                   TRANSMISSIVE = 1u << MATERIAL_CLASS_TRANSMISSIVE;
+
+TEST(Stages, DiffuseSceneBuildsOneBounceStage) {
+  EXPECT_EQ(needed(DIFFUSE, TECHNIQUE_HIT | TECHNIQUE_NEE),
+            (Names{"camera_generate", "trace_closest", "camera_bounce.diffuse", "trace_visibility",
+                   "accumulate", "count_work"}));
+}
+
+TEST(Stages, EveryMaterialClassHasItsOwn) {
+  EXPECT_EQ(needed(DIFFUSE | OPAQUE | TRANSMISSIVE, TECHNIQUE_HIT | TECHNIQUE_NEE),
+            (Names{"camera_generate", "trace_closest", "camera_bounce.diffuse", "camera_bounce.opaque",
+                   "camera_bounce.transmissive", "trace_visibility", "accumulate", "count_work"}));
+  EXPECT_EQ(needed(OPAQUE, TECHNIQUE_NEE), (Names{"camera_generate", "trace_closest", "camera_bounce.opaque",
+                                                  "trace_visibility", "accumulate", "count_work"}));
+}
+
+TEST(Stages, WithoutLightSamplingNothingIsTracedForVisibility) {
+  EXPECT_EQ(
+      needed(TRANSMISSIVE, TECHNIQUE_HIT),
+      (Names{"camera_generate", "trace_closest", "camera_bounce.transmissive", "accumulate", "count_work"}));
+}
+
+}  // namespace
+}  // namespace regulus::render
