@@ -25,7 +25,9 @@ const std::map<std::string, uint32_t> NDF_NAMES = {
 const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMITH},
                                                          {"smith-uncorrelated", SHADOWING_SMITH_UNCORRELATED},
                                                          {"v-cavity", SHADOWING_V_CAVITY}};
-const std::map<std::string, uint32_t> FILTER_NAMES = {{"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}};
+const std::map<std::string, uint32_t> FILTER_NAMES = {
+    {"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}, {"blackman-harris", FILTER_BLACKMAN_HARRIS}};
+const std::map<std::string, uint32_t> SAMPLER_NAMES = {{"sobol", SAMPLER_SOBOL}, {"hash", SAMPLER_HASH}};
 const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT},
                                                          {"nee", TECHNIQUE_NEE},
                                                          {"splat", TECHNIQUE_SPLAT},
@@ -156,6 +158,11 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(CLI::Range(1u, 1024u))
       ->capture_default_str();
   command.add_option("--seed", settings.seed, "Seed of the random numbers")->capture_default_str();
+  command
+      .add_option("--sampler", settings.sampler,
+                  "Random numbers: sobol (scrambled Sobol points), hash (independent)")
+      ->transform(CLI::CheckedTransformer(SAMPLER_NAMES))
+      ->default_str("sobol");
   command.add_option("--ndf", settings.ndf, "Microfacet distribution: ggx, beckmann, cosine")
       ->transform(CLI::CheckedTransformer(NDF_NAMES))
       ->default_str("ggx");
@@ -164,10 +171,13 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                   "Masking-shadowing: smith (height-correlated), smith-uncorrelated, v-cavity")
       ->transform(CLI::CheckedTransformer(SHADOWING_NAMES))
       ->default_str("smith");
-  command
-      .add_option("--filter", settings.filter, "Pixel filter: gaussian (sigma 0.5, radius 1.5 pixels), box")
+  command.add_option("--filter", settings.filter, "Pixel filter: blackman-harris, gaussian, box")
       ->transform(CLI::CheckedTransformer(FILTER_NAMES))
-      ->default_str("gaussian");
+      ->default_str("blackman-harris");
+  command
+      .add_option("--filter-radius", options.filter_radius,
+                  "Radius of the filter in pixels (default: box 0.5, others 1.5)")
+      ->check(CLI::Range(0.0f, 16.0f));
   command.add_option("--device", options.device,
                      "Vulkan device by index or part of its name (see regulus devices)");
   command.add_option("--wave", settings.wave_paths,
@@ -212,7 +222,8 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
                               ? render::DEFAULT_MERGE_RADIUS * scene_radius
                               : parse_merge_radius(options.merge_radius, scene_radius);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
-  if (settings.filter == FILTER_BOX) settings.filter_radius = 0.5f;
+  settings.filter_radius = options.filter_radius.value_or(settings.filter == FILTER_BOX ? 0.5f : 1.5f);
+  settings.filter_sigma = settings.filter_radius / 3;
   return settings;
 }
 

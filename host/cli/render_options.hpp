@@ -24,6 +24,7 @@ struct RenderOptions {
   std::string merge_radius;  ///< metres or percent; empty: the default
   std::string device;
   float exposure_ev = 0;
+  std::optional<float> filter_radius;  ///< pixels; none: the filter's own
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
   bool is_quiet = false, is_verbose = false;

@@ -30,7 +30,8 @@ constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQU
 constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
 constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
 constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
-constexpr const char* FILTER_NAMES[] = {"box", "gaussian"};
+constexpr const char* SAMPLER_NAMES[] = {"sobol", "hash"};
+constexpr const char* FILTER_NAMES[] = {"box", "gaussian", "blackman-harris"};
 
 nlohmann::json settings_json(const render::RenderSettings& settings) {
   nlohmann::json techniques = nlohmann::json::array();
@@ -43,6 +44,7 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
           {"samples", settings.samples},
           {"max_depth", settings.max_depth},
           {"seed", settings.seed},
+          {"sampler", SAMPLER_NAMES[settings.sampler]},
           {"techniques", techniques},
           {"light_paths", settings.light_paths},
           {"cache_connections", settings.cache_connections},

@@ -22,6 +22,7 @@ struct RenderSettings {
   uint32_t samples = 16;           ///< per pixel
   uint32_t max_depth = 12;         ///< path edges
   uint32_t seed = 0;
+  uint32_t sampler = interface::SAMPLER_SOBOL;
   uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
   uint32_t light_paths = 0;        ///< per iteration (one sample of every pixel); 0: as many as pixels
   uint32_t cache_connections = 0;  ///< light vertices a camera vertex connects to, drawn from all of the
@@ -31,7 +32,7 @@ struct RenderSettings {
       1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
-  uint32_t filter = interface::FILTER_GAUSSIAN;
+  uint32_t filter = interface::FILTER_BLACKMAN_HARRIS;
   float filter_radius = 1.5f;  ///< pixels; box: half the pixel is 0.5
   float filter_sigma = 0.5f;   ///< pixels, Gaussian
   uint32_t wave_paths = 0;     ///< path slots per wave; 0: chosen for the device. Never changes the image

@@ -26,7 +26,8 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
                                         {SPEC_MATERIAL_CLASS, material_class},
                                         {SPEC_FEATURES, features.bits},
                                         {SPEC_TECHNIQUES, settings.techniques},
-                                        {SPEC_FILTER, settings.filter}}};
+                                        {SPEC_FILTER, settings.filter},
+                                        {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});
   }
   return pipeline;

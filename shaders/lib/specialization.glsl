@@ -10,6 +10,7 @@ layout(constant_id = SPEC_SHADOWING) const uint spec_shadowing = SHADOWING_SMITH
 layout(constant_id = SPEC_MATERIAL_CLASS) const uint spec_material_class = MATERIAL_CLASS_TRANSMISSIVE;
 layout(constant_id = SPEC_FEATURES) const uint spec_features = 0xFFFFFFFFu;
 layout(constant_id = SPEC_TECHNIQUES) const uint spec_techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
-layout(constant_id = SPEC_FILTER) const uint spec_filter = FILTER_GAUSSIAN;
+layout(constant_id = SPEC_FILTER) const uint spec_filter = FILTER_BLACKMAN_HARRIS;
+layout(constant_id = SPEC_SAMPLER) const uint spec_sampler = SAMPLER_SOBOL;
 
 #endif

@@ -168,6 +168,47 @@ TEST_F(Film, GaussianFilterInvertsItsDistribution) {
   }
 }
 
+// As for the Gaussian, with the distribution function of the window a0 + a1 cos + a2 cos 2 + a3 cos 3 of pi x
+// / r (Harris 1978, minimum four-term).
+TEST_F(Film, BlackmanHarrisFilterInvertsItsDistribution) {
+  constexpr int GRID = 256;
+  constexpr double BOUND = 1e-6;
+  constexpr double A[] = {0.35875, 0.48829, 0.14128, 0.01168};
+  for (const float radius : {1.5f, 0.75f, 4.0f}) {
+    const auto offsets = filter_offsets(FILTER_BLACKMAN_HARRIS, GRID, radius, 0.5f);
+    double worst = 0, furthest = 0;
+    for (int i = 0; i < GRID * GRID; ++i) {
+      const double u[] = {(i % GRID + 0.5) / GRID, (i / GRID + 0.5) / GRID};
+      for (int axis = 0; axis < 2; ++axis) {
+        const double t = offsets[i][axis] / double{radius};
+        double share = A[0] * t;
+        for (int k = 1; k <= 3; ++k) share += A[k] * std::sin(k * M_PI * t) / (k * M_PI);
+        worst = std::max(worst, std::abs((share / A[0] + 1) / 2 - u[axis]));
+        furthest = std::max(furthest, std::abs(t));
+      }
+    }
+    std::printf("radius %g: worst error of the distribution %.3g (bound %.1g), furthest %g\n", radius, worst,
+                BOUND, furthest);
+    EXPECT_LE(worst, BOUND);
+    EXPECT_LE(furthest, 1);
+  }
+}
+
+// The rim: shares within a thousandth of either end, down to the last of the 24 bits.
+TEST_F(Film, BlackmanHarrisFilterHoldsAtTheRim) {
+  const gpu::Kernel kernel =
+      create_batch_kernel(test_kernels::spirv, "film_filter", {{SPEC_FILTER, FILTER_BLACKMAN_HARRIS}});
+  std::vector<glm::vec4> inputs;
+  for (int i = 0; i < 4096; ++i)
+    inputs.emplace_back(static_cast<float>(i) * 0x1p-24f, 1 - static_cast<float>(i + 1) * 0x1p-24f, 1.0f,
+                        0.5f);
+  const auto offsets = map_on_device<glm::vec2>(kernel, inputs);
+  for (size_t i = 0; i < offsets.size(); ++i) {
+    ASSERT_TRUE(offsets[i].x >= -1 && offsets[i].x < -0.8) << i << ' ' << offsets[i].x;
+    ASSERT_TRUE(offsets[i].y <= 1 && offsets[i].y > 0.8) << i << ' ' << offsets[i].y;
+  }
+}
+
 // Moments of a Gaussian cut at a = radius / sigma, in units of sigma. With m0 = erf(a / sqrt 2) and q = 2 a
 // phi(a): m2 = 1 - q / m0, m4 = 3 m2 - a^2 q / m0. Two errors add up: an error of 1e-6 in u (the test above)
 // moves the mean of x^k by up to 1e-6 * 2 a^k, and the midpoint rule with step h over u is off by h^2 / 24
