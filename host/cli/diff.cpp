@@ -19,21 +19,23 @@ struct DiffOptions {
 };
 
 // NaN and infinity (the psnr of equal images) become null: JSON has neither.
-nlohmann::ordered_json to_json(const image::Metrics& metrics) {
+nlohmann::ordered_json to_json(const image::Metrics& metrics, double flip) {
   return {{"mse", metrics.mse},
           {"relmse", metrics.relmse},
           {"mrse", metrics.mrse},
           {"mae", metrics.mae},
           {"psnr", metrics.psnr},
+          {"flip", flip},
           {"mean", metrics.mean},
           {"reference_mean", metrics.reference_mean},
           {"non_finite", metrics.non_finite}};
 }
 
-void print(const image::Metrics& metrics) {
+void print(const image::Metrics& metrics, double flip) {
   fmt::print("mse             {:.6g}\nrelmse          {:.6g}\nmrse            {:.6g}\n", metrics.mse,
              metrics.relmse, metrics.mrse);
-  fmt::print("mae             {:.6g}\npsnr            {:.2f} dB\n", metrics.mae, metrics.psnr);
+  fmt::print("mae             {:.6g}\npsnr            {:.2f} dB\nflip            {:.6g}\n", metrics.mae,
+             metrics.psnr, flip);
   const auto print_mean = [](const char* name, const std::array<double, 3>& mean) {
     fmt::print("{:<15} {:.6g} {:.6g} {:.6g}\n", name, mean[0], mean[1], mean[2]);
   };
@@ -55,9 +57,11 @@ void diff(const DiffOptions& options) {
   const image::Image image = image::read_exr(options.image);
   const image::Image reference = image::read_exr(options.reference);
   const image::Metrics metrics = compare(options, image, reference);
-  if (!options.json.empty()) image::write_file_atomically(options.json, to_json(metrics).dump(2) + "\n");
+  const double flip = image::flip(image, reference);
+  if (!options.json.empty())
+    image::write_file_atomically(options.json, to_json(metrics, flip).dump(2) + "\n");
   if (!options.heat_map.empty()) image::write_heat_map(options.heat_map, image, reference);
-  print(metrics);
+  print(metrics, flip);
 }
 
 }  // namespace

@@ -64,6 +64,22 @@ constexpr double RELATIVE_EPSILON = 0.01;
 /// @throws regulus::Error (BadFile) if the sizes differ.
 Metrics compare(const Image& image, const Image& reference);
 
+/// Pixels per degree of sight at which FLIP's authors compare by default: a screen of 3840 pixels and 0.7 m,
+/// seen from 0.7 m.
+constexpr float FLIP_PIXELS_PER_DEGREE = 67.0206433f;
+
+/// HDR-FLIP of each pixel in [0, 1], rows from the top: the largest visible difference over the exposures
+/// that the reference calls for (Andersson et al., "FLIP: A Difference Evaluator for Alternating Images",
+/// 2020, and "Visualizing Errors in Rendered High Dynamic Range Images", 2021; ACES tone mapping). Values
+/// that are not finite are seen as black. Where the median of the reference is black its darkest positive
+/// luminance takes the median's place, an all-black reference is compared as it is: the papers leave both
+/// open. @throws regulus::Error (BadFile) if the sizes differ.
+std::vector<float> flip_map(const Image& image, const Image& reference,
+                            float pixels_per_degree = FLIP_PIXELS_PER_DEGREE);
+
+/// Mean of flip_map.
+double flip(const Image& image, const Image& reference);
+
 /// @throws regulus::Error (BadFile) if the sizes differ.
 void require_same_size(const Image& image, const Image& reference);
 

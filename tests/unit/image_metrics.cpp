@@ -1,8 +1,10 @@
-// Metrics against values computed by hand, and against OpenImageIO's idiff where it is installed.
+// Metrics against values computed by hand, and against OpenImageIO's idiff and oiiotool where they are
+// installed.
 #include <array>
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <sstream>
 
 #include "image_files.hpp"
 #include "support/random.hpp"
@@ -63,24 +65,45 @@ double value_after(const std::string& text, const std::string& label) {
   return at == std::string::npos ? NOT_A_NUMBER : std::strtod(text.c_str() + at + label.size(), nullptr);
 }
 
+/// What a command prints.
+std::string output_of(const std::string& command) {
+  std::string output;
+  FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
+  for (int c; (c = std::fgetc(pipe)) != EOF;) output.push_back(static_cast<char>(c));
+  ::pclose(pipe);
+  return output;
+}
+
 TEST(Metrics, AgreeWithOpenImageIo) {
-  if (std::system("command -v idiff >/dev/null") != 0) GTEST_SKIP() << "idiff (openimageio-tools) is missing";
+  if (std::system("command -v idiff oiiotool >/dev/null") != 0)
+    GTEST_SKIP() << "openimageio-tools is missing";
   const TemporaryFolder folder;
   Random random(5);
   const auto draw = [&](size_t) { return static_cast<float>(random.uniform()); };
-  const image::Image image = make_image(64, 48, draw), reference = make_image(64, 48, draw);
+  const image::Image image = make_image(64, 48, draw);
+  image::Image reference = make_image(64, 48, draw);
+  reference.rgb[17] = 1;  // the peak of idiff's PSNR
   image::write_exr(folder / "a.exr", image);
   image::write_exr(folder / "b.exr", reference);
-  const std::string command =
-      "idiff -v " + (folder / "a.exr").string() + " " + (folder / "b.exr").string() + " 2>&1";
-  std::string output;
-  FILE* pipe = ::popen(command.c_str(), "r");
-  for (int c; (c = std::fgetc(pipe)) != EOF;) output.push_back(static_cast<char>(c));
-  ::pclose(pipe);
+  const std::string a = (folder / "a.exr").string(), b = (folder / "b.exr").string();
+  const std::string output = output_of("idiff -v " + a + " " + b);
   const image::Metrics metrics = image::compare(image, reference);
-  // idiff prints six digits.
+  // idiff prints six digits, and of the PSNR too.
   EXPECT_NEAR(value_after(output, "Mean error ="), metrics.mae, 1e-5 * metrics.mae) << output;
   EXPECT_NEAR(value_after(output, "RMS error ="), std::sqrt(metrics.mse), 1e-5) << output;
+  EXPECT_NEAR(value_after(output, "Peak SNR ="), metrics.psnr, 1e-5 * metrics.psnr) << output;
+  // oiiotool: "Stats Avg: r g b (float)", six decimals.
+  for (const auto& [file, mean] : {std::pair(a, metrics.mean), std::pair(b, metrics.reference_mean)}) {
+    const std::string statistics = output_of("oiiotool --stats " + file);
+    const size_t at = statistics.find("Stats Avg:");
+    ASSERT_NE(at, std::string::npos) << statistics;
+    std::istringstream stream(statistics.substr(at + 10));
+    for (size_t c = 0; c < 3; ++c) {
+      double value = NOT_A_NUMBER;
+      stream >> value;
+      EXPECT_NEAR(value, mean[c], 1e-6) << statistics;
+    }
+  }
 }
 
 }  // namespace
