@@ -1,5 +1,6 @@
 #include "reference/fresnel.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reference/quadrature.hpp"
@@ -46,8 +47,11 @@ SpecularDielectric SpecularDielectric::make(double eta, double specular, const d
 
 dvec3 SpecularDielectric::remap(double exact, double eta) const {
   const double normal = fresnel_normal_incidence(eta);
+  const double position = (exact - normal) / (1 - normal);
   // Above n = 2 + sqrt(3) the exact curve dips below normal incidence near Brewster's angle.
-  return glm::max(glm::mix(f0, dvec3(f90), (exact - normal) / (1 - normal)), dvec3(0));
+  const double darkest = std::min({f0.x, f0.y, f0.z});
+  const double lowest = -darkest / std::max(f90 - darkest, 1e-6);
+  return glm::mix(f0, dvec3(f90), std::max(position, lowest));
 }
 
 dvec3 SpecularDielectric::reflectance(double cos_incident, double eta) const {

@@ -20,7 +20,8 @@ double fresnel_dielectric_average(double eta);
 glm::dvec3 fresnel_metal(const glm::dvec3& base, double cos_incident);
 
 /// The dielectric reflectance of KHR_materials_specular: the exact curve, mapped linearly so that normal
-/// incidence gives `f0` and grazing incidence `f90`.
+/// incidence gives `f0` and grazing incidence `f90`; where the darkest channel would become negative the
+/// curve stays there for all channels.
 struct SpecularDielectric {
   glm::dvec3 f0;  ///< min(F0 * specular colour, 1) * specular
   double f90;     ///< specular

@@ -1,5 +1,6 @@
 #include "kernels/bsdf_cases.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace regulus::test_kernels {
@@ -8,6 +9,7 @@ std::span<const uint32_t> spirv(std::string_view name);
 
 namespace regulus::test {
 
+using glm::dvec2;
 using glm::dvec3;
 using glm::vec3;
 using namespace interface;
@@ -53,7 +55,35 @@ Evaluation evaluate(const Inputs& inputs) {
           bsdf.pdf(inputs.wi, inputs.wo)};
 }
 
+/// Probabilities of reflection and of transmission at a facet seen under this cosine.
+dvec2 facet_choice(const Bsdf& bsdf, double cosine, double eta) {
+  const BsdfParameters& p = bsdf.parameters();
+  const dvec3 dielectric =
+      reference::SpecularDielectric::make(p.ior, p.specular, p.specular_color).reflectance(cosine, eta);
+  const double reflected = reference::luminance(p.metallic * reference::fresnel_metal(p.base_color, cosine) +
+                                                (1 - p.metallic) * dielectric);
+  const double transmitted =
+      reference::luminance((1 - p.metallic) * p.transmission * p.base_color * (1.0 - dielectric));
+  return dvec2(reflected, transmitted) / std::max(reflected + transmitted, 1e-300);
+}
+
 }  // namespace
+
+double least_choice(const BsdfCase& c, const Model& model) {
+  const Inputs inputs = inputs_of(c, model);
+  const Bsdf bsdf(inputs.parameters);
+  const dvec3 &wo = inputs.wo, &wi = inputs.wi;
+  const bool is_transmitted = wo.z * wi.z < 0, is_refracted = is_transmitted && inputs.parameters.is_volume;
+  const double eta = bsdf.relative_index(wo);
+  const dvec3 h = is_refracted
+                      ? reference::refraction_half_vector(wo, wi, eta)
+                      : reference::reflection_half_vector(wo, is_transmitted ? dvec3(wi.x, wi.y, -wi.z) : wi);
+  double least = std::min(1 - bsdf.diffuse_probability(wo), 1 - bsdf.diffuse_probability(wi));
+  if (inputs.parameters.transmission == 0) return least;
+  const dvec2 forward = facet_choice(bsdf, std::abs(dot(wo, h)), eta);
+  const dvec2 reverse = facet_choice(bsdf, std::abs(dot(wi, h)), bsdf.relative_index(wi));
+  return std::min({least, forward[is_transmitted], reverse[is_transmitted]});
+}
 
 Constants Model::constants() const {
   // Every feature bit is set: the kernels under test have no code compiled away.
@@ -134,6 +164,7 @@ Evaluation evaluate_reference(const BsdfCase& c, const Model& model) {
 }
 
 Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
+  const double choice_error = ulps * 0x1p-24 / std::max(least_choice(c, model), 1e-300);
   const Inputs inputs = inputs_of(c, model);
   const Evaluation base = evaluate(inputs);
   Evaluation sum{dvec3(0), 0, 0};
@@ -163,6 +194,8 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
   add_effect([](Inputs& i) -> double& { return i.parameters.ior; });
   for (int axis = 0; axis < 2; ++axis)
     add_effect([axis](Inputs& i) -> double& { return i.parameters.alpha[axis]; });
+  sum.pdf_forward += choice_error * base.pdf_forward;
+  sum.pdf_reverse += choice_error * base.pdf_reverse;
   return sum;
 }
 

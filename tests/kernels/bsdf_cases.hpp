@@ -56,9 +56,15 @@ struct Evaluation {
 };
 Evaluation evaluate_reference(const interface::BsdfCase& c, const Model& model);
 
+/// The least of the probabilities with which a walk takes the specular lobe, and reflection or transmission
+/// in it, in either direction. A walk compares random floats with its complement, so it is known to 2^-24
+/// absolute only.
+double least_choice(const interface::BsdfCase& c, const Model& model);
+
 /// Change of the reference's evaluation when every input (six direction components, two roughnesses, index)
 /// is moved by `ulps` units of float precision, one after the other, summed: what rounding of the inputs
-/// alone can do. Channels of the value in x, y, z.
+/// alone can do; to the densities what `ulps` units in least_choice() do is added. Channels of the value in
+/// x, y, z.
 Evaluation conditioning(const interface::BsdfCase& c, const Model& model, double ulps);
 
 /// The kernel `name` of tests/kernels, specialized.
