@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
                                                 regulus::COMMIT, regulus::COMPILER, regulus::BUILD_TYPE));
   app.require_subcommand(1);
   regulus::cli::add_render_command(app);
+  regulus::cli::add_inspect_command(app);
   regulus::cli::add_devices_command(app);
   regulus::cli::add_diff_command(app);
   regulus::cli::add_bench_command(app);

@@ -11,17 +11,6 @@ namespace {
 
 using namespace interface;
 
-constexpr std::pair<const char*, uint32_t> FEATURE_NAMES[] = {
-    {"textures", FEATURE_TEXTURES},
-    {"triangle_lights", FEATURE_TRIANGLE_LIGHTS},
-    {"point_lights", FEATURE_POINT_LIGHTS},
-    {"directional_lights", FEATURE_DIRECTIONAL_LIGHTS},
-    {"rough_specular", FEATURE_ROUGH_SPECULAR},
-    {"delta_specular", FEATURE_DELTA_SPECULAR},
-    {"absorption", FEATURE_ABSORPTION},
-    {"many_lights", FEATURE_MANY_LIGHTS},
-    {"smooth_normals", FEATURE_SMOOTH_NORMALS},
-    {"two_sided_lights", FEATURE_TWO_SIDED_LIGHTS}};
 constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQUE_HIT},
                                                                 {"nee", TECHNIQUE_NEE},
                                                                 {"splat", TECHNIQUE_SPLAT},
@@ -61,7 +50,8 @@ nlohmann::json scene_json(const scene::Scene& scene) {
   const scene::Features features = scene::find_features(scene);
   nlohmann::json present = nlohmann::json::array(), absent = nlohmann::json::array(),
                  classes = nlohmann::json::array();
-  for (const auto& [name, bit] : FEATURE_NAMES) (features.bits & bit ? present : absent).push_back(name);
+  for (const scene::FeatureDescription& feature : scene::feature_descriptions())
+    (features.bits & feature.bit ? present : absent).push_back(feature.name);
   for (uint32_t i = 0; i < MATERIAL_CLASS_COUNT; ++i)
     if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
   return {{"file", scene.path.string()},

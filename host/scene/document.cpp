@@ -104,7 +104,7 @@ void check_extensions(Document& document) {
   for (const std::string& name : required)
     if (!is_known_extension(name))
       document.fail(fmt::format("requires the extension {}, which is not read; export without it", name));
-  for (const std::string& name : strings(document.json, "extensionsUsed"))
+  for (const std::string& name : document.extensions_used())
     if (!is_known_extension(name)) document.warn(fmt::format("extension {} is not read", name));
 }
 
@@ -158,6 +158,10 @@ void read_buffers(Document& document, const json& reduced, std::optional<ByteSpa
 }
 
 }  // namespace
+
+std::vector<std::string> Document::extensions_used() const {
+  return strings(json, "extensionsUsed");
+}
 
 void Document::warn(const std::string& message) {
   if (std::find(warnings.begin(), warnings.end(), message) == warnings.end()) warnings.push_back(message);

@@ -23,6 +23,9 @@ struct Document {
   std::vector<std::span<const unsigned char>> buffers;  ///< contents of json["buffers"]
   std::vector<std::string> warnings;
 
+  /// The names in extensionsUsed.
+  std::vector<std::string> extensions_used() const;
+
   /// Adds a warning unless the same was given before.
   void warn(const std::string& message);
 

@@ -1,5 +1,6 @@
 // find_features: what kernels may leave out for this scene.
 #include <algorithm>
+#include <array>
 #include <glm/gtc/packing.hpp>
 #include <utility>
 #include <vector>
@@ -70,6 +71,24 @@ bool is_smooth(const Scene& scene, const interface::Triangle& triangle) {
 }
 
 }  // namespace
+
+std::span<const FeatureDescription> feature_descriptions() {
+  using namespace interface;
+  static constexpr std::array DESCRIPTIONS = {
+      FeatureDescription{FEATURE_TEXTURES, "textures", "texture look-ups of materials and emitters"},
+      FeatureDescription{FEATURE_TRIANGLE_LIGHTS, "triangle_lights",
+                         "emission at hits and its weight, sampling of emissive triangles"},
+      FeatureDescription{FEATURE_POINT_LIGHTS, "point_lights", "sampling of point and spot lights"},
+      FeatureDescription{FEATURE_DIRECTIONAL_LIGHTS, "directional_lights", "sampling of directional lights"},
+      FeatureDescription{FEATURE_ROUGH_SPECULAR, "rough_specular",
+                         "evaluation and sampling of microfacet lobes"},
+      FeatureDescription{FEATURE_DELTA_SPECULAR, "delta_specular", "perfect mirrors and smooth glass"},
+      FeatureDescription{FEATURE_ABSORPTION, "absorption", "media along the path and their transmittance"},
+      FeatureDescription{FEATURE_MANY_LIGHTS, "many_lights", "the choice among lights"},
+      FeatureDescription{FEATURE_SMOOTH_NORMALS, "smooth_normals", "interpolation of vertex normals"},
+      FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"}};
+  return DESCRIPTIONS;
+}
 
 Features find_features(const Scene& scene) {
   Features features;

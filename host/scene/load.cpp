@@ -11,6 +11,7 @@
 #include "scene/nodes.hpp"
 #include "scene/punctual.hpp"
 #include "scene/scene.hpp"
+#include "scene/schema.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -65,6 +66,19 @@ void set_bounds(Scene& scene) {
     }
 }
 
+Inventory take_inventory(const Document& document, const std::vector<PlacedNode>& nodes) {
+  Inventory inventory;
+  inventory.meshes = document.model.meshes.size();
+  inventory.instances =
+      static_cast<size_t>(std::count_if(nodes.begin(), nodes.end(), [&](const PlacedNode& placed) {
+        return document.model.nodes[placed.node].mesh >= 0;
+      }));
+  inventory.images = document.images.size();
+  for (const std::string& name : document.extensions_used())
+    (is_known_extension(name) ? inventory.extensions_read : inventory.extensions_ignored).push_back(name);
+  return inventory;
+}
+
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
   Document document = open_document(path, options.allow_external);
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
@@ -79,6 +93,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   add_materials(document, scene);
   add_punctual_lights(document, nodes, scene);
   add_cameras(document, nodes, scene);
+  scene.inventory = take_inventory(document, nodes);
+  scene.inventory.has_cameras = !scene.cameras.empty();
   if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
   read_resolution(document, scene);
   if (scene_index) read_settings(document, *scene_index, scene);

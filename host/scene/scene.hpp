@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,16 @@ struct SceneCamera {
   float focus_distance = 1;                        ///< metres
 };
 
+/// What the file holds and what became of it, for `regulus inspect`.
+struct Inventory {
+  size_t meshes = 0;                            ///< of the file
+  size_t instances = 0;                         ///< meshes that the shown scene places
+  size_t images = 0;                            ///< of the file
+  bool has_cameras = false;                     ///< false: the only camera is one framed on the bounds
+  std::vector<std::string> extensions_read;     ///< of extensionsUsed
+  std::vector<std::string> extensions_ignored;  ///< of extensionsUsed
+};
+
 /// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
 /// triangle has zero area (they are dropped with a warning).
 struct Scene {
@@ -42,7 +53,8 @@ struct Scene {
   std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
   std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value
   std::vector<std::string> warnings;            ///< one line each
-  uint64_t hash = 0;                            ///< of the file's bytes and everything it refers to
+  Inventory inventory;
+  uint64_t hash = 0;  ///< of the file's bytes and everything it refers to
 };
 
 struct LoadOptions {
@@ -65,6 +77,15 @@ void build_lights(Scene& scene);
 /// The camera for a film of width x height pixels. The vertical field of view is kept; a film wider or
 /// narrower than the camera's aspect ratio sees more or less to the sides.
 interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_t height);
+
+/// A feature a scene may have and what kernels are rid of where it has not.
+struct FeatureDescription {
+  uint32_t bit;         ///< FEATURE_*
+  const char* name;     ///< in statistics
+  const char* removes;  ///< code that its absence compiles away
+};
+/// All features there are.
+std::span<const FeatureDescription> feature_descriptions();
 
 /// FEATURE_* bits of the scene (shaders/interface/wavefront.h), and the material classes present as bits
 /// 1 << MATERIAL_CLASS_*.

@@ -1,0 +1,208 @@
+// regulus inspect: what a scene holds, what of it is not read, what rendering it needs and skips. Uses no
+// device.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "bvh/scene_bvh.hpp"
+#include "cli/commands.hpp"
+#include "cli/render_options.hpp"
+#include "image/atomic_file.hpp"
+#include "render/stages.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+using namespace interface;
+
+struct InspectOptions {
+  std::string scene_file, json;
+  std::optional<uint32_t> scene_index;
+  bool allow_external = false;
+};
+
+/// The settings a plain `regulus render` of the scene would use.
+render::RenderSettings default_settings(scene::Scene& scene) {
+  CLI::App command;
+  RenderOptions options;
+  declare_render_options(command, options);
+  apply_scene_settings(command, scene);
+  return resolve_settings(options, scene);
+}
+
+Json cameras_json(const scene::Scene& scene) {
+  Json cameras = Json::array();
+  for (const scene::SceneCamera& camera : scene.cameras) {
+    Json entry = {{"name", camera.name}, {"kind", camera.is_orthographic ? "orthographic" : "perspective"}};
+    if (camera.is_orthographic)
+      entry["half_extents"] = {camera.x_magnification, camera.y_magnification};
+    else
+      entry["vertical_degrees"] = glm::degrees(camera.y_fov);
+    entry["lens_radius"] = camera.lens_radius;
+    entry["from_file"] = scene.inventory.has_cameras;
+    cameras.push_back(entry);
+  }
+  return cameras;
+}
+
+Json materials_json(const scene::Scene& scene) {
+  constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
+  std::vector<uint64_t> triangles(scene.materials.size());
+  for (const Triangle& triangle : scene.triangles) ++triangles[triangle.material];
+  Json materials = Json::array();
+  for (size_t i = 0; i < scene.materials.size(); ++i)
+    materials.push_back({{"name", scene.material_names[i]},
+                         {"class", CLASS_NAMES[scene.materials[i].material_class]},
+                         {"emissive", (scene.materials[i].flags & MATERIAL_EMISSIVE) != 0},
+                         {"triangles", triangles[i]}});
+  return materials;
+}
+
+Json lights_json(const scene::Scene& scene) {
+  constexpr const char* KIND_NAMES[] = {"triangle", "point", "spot", "directional"};
+  Json lights = {{"triangle", 0}, {"point", 0}, {"spot", 0}, {"directional", 0}};
+  for (const Light& light : scene.lights) {
+    Json& count = lights[KIND_NAMES[light.kind]];
+    count = count.get<uint64_t>() + 1;
+  }
+  return lights;
+}
+
+// Bytes that the scene and the film take on the device; the paths in flight come on top and depend on the
+// device.
+Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings) {
+  const auto bytes = [](const auto& values) { return uint64_t{values.size()} * sizeof(values[0]); };
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  Json memory = {{"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
+                 {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
+                 {"materials", bytes(scene.materials)},
+                 {"textures", bytes(scene.textures) + bytes(scene.texels)},
+                 {"lights", bytes(scene.lights) + bytes(scene.light_aliases)},
+                 {"film", pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)}};
+  uint64_t total = 0;
+  for (const Json& part : memory) total += part.get<uint64_t>();
+  memory["total"] = total;
+  return memory;
+}
+
+Json features_json(const scene::Features& features) {
+  Json present = Json::array(), absent = Json::object();
+  for (const scene::FeatureDescription& feature : scene::feature_descriptions()) {
+    if (features.bits & feature.bit)
+      present.push_back(feature.name);
+    else
+      absent[feature.name] = feature.removes;
+  }
+  return {{"present", present}, {"absent", absent}};
+}
+
+Json stages_json(const scene::Features& features, const render::RenderSettings& settings) {
+  Json run = Json::array(), skipped = Json::array();
+  for (const render::StageStep& step : render::PATH_TRACING_PASS)
+    (render::is_needed(step, features, settings) ? run : skipped).push_back(step.name);
+  return {{"run", run}, {"skipped", skipped}};
+}
+
+Json inspect(const InspectOptions& options) {
+  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external});
+  const render::RenderSettings settings = default_settings(scene);
+  const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  const scene::Features features = scene::find_features(scene);
+  return {{"file", scene.path.string()},
+          {"hash", fmt::format("{:016x}", scene.hash)},
+          {"size", {settings.width, settings.height}},
+          {"bounds",
+           {{scene.bounds_min.x, scene.bounds_min.y, scene.bounds_min.z},
+            {scene.bounds_max.x, scene.bounds_max.y, scene.bounds_max.z}}},
+          {"cameras", cameras_json(scene)},
+          {"meshes", scene.inventory.meshes},
+          {"instances", scene.inventory.instances},
+          {"triangles", scene.triangles.size()},
+          {"vertices", scene.vertices.size()},
+          {"materials", materials_json(scene)},
+          {"lights", lights_json(scene)},
+          {"images", scene.inventory.images},
+          {"textures", scene.textures.size()},
+          {"bytes", memory_json(scene, bvh, settings)},
+          {"extensions",
+           {{"read", scene.inventory.extensions_read}, {"ignored", scene.inventory.extensions_ignored}}},
+          {"settings", scene.settings},
+          {"features", features_json(features)},
+          {"stages", stages_json(features, settings)},
+          {"warnings", scene.warnings}};
+}
+
+// Names of a JSON array of strings, "none" if it is empty.
+std::string listed(const Json& names) {
+  return names.empty() ? "none" : fmt::format("{}", fmt::join(names.get<std::vector<std::string>>(), ", "));
+}
+
+// Names are printed as JSON has them: a scene could hold any characters.
+void print_contents(const Json& scene) {
+  for (const Json& camera : scene["cameras"]) {
+    const bool is_perspective = camera["kind"] == "perspective";
+    fmt::print(
+        "camera           {}, {}{}{}\n", camera["name"].dump(), camera["kind"].get<std::string>(),
+        is_perspective ? fmt::format(", {:.1f} degrees high", camera["vertical_degrees"].get<double>()) : "",
+        camera["from_file"] ? "" : ", framed on the bounds: the file has none");
+  }
+  fmt::print("film             {} x {}\n", scene["size"][0].get<uint32_t>(),
+             scene["size"][1].get<uint32_t>());
+  fmt::print("meshes           {}, placed {} times: {} triangles, {} vertices\n",
+             scene["meshes"].get<uint64_t>(), scene["instances"].get<uint64_t>(),
+             scene["triangles"].get<uint64_t>(), scene["vertices"].get<uint64_t>());
+  for (const Json& material : scene["materials"])
+    fmt::print("material         {}, {}{}, {} triangles\n", material["name"].dump(),
+               material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",
+               material["triangles"].get<uint64_t>());
+  for (const auto& [kind, count] : scene["lights"].items())
+    if (count > 0) fmt::print("lights           {} {}\n", count.get<uint64_t>(), kind);
+  fmt::print("textures         {} of {} images\n", scene["textures"].get<uint64_t>(),
+             scene["images"].get<uint64_t>());
+}
+
+void print(const Json& scene) {
+  print_contents(scene);
+  for (const auto& [part, bytes] : scene["bytes"].items())
+    fmt::print("memory           {:>10.1f} KiB {}\n", bytes.get<double>() / 1024, part);
+  fmt::print("extensions       {}\n", listed(scene["extensions"]["read"]));
+  fmt::print("  ignored        {}\n", listed(scene["extensions"]["ignored"]));
+  fmt::print("features         {}\n", listed(scene["features"]["present"]));
+  for (const auto& [name, removes] : scene["features"]["absent"].items())
+    fmt::print("  without        {:<18} kernels lose {}\n", name, removes.get<std::string>());
+  fmt::print("stages           {}\n", listed(scene["stages"]["run"]));
+  fmt::print("  skipped        {}\n", listed(scene["stages"]["skipped"]));
+  for (const Json& warning : scene["warnings"])
+    fmt::print("warning          {}\n", warning.get<std::string>());
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app) {
+  const auto options = std::make_shared<InspectOptions>();
+  CLI::App* command =
+      app.add_subcommand("inspect", "What is in a scene, what rendering it needs, and what is skipped");
+  command->add_option("scene-file", options->scene_file, "The .gltf or .glb file")
+      ->required()
+      ->type_name("SCENE");
+  command->add_option("--scene", options->scene_index,
+                      "Scene of the file by index (default: its own default)");
+  command->add_option("--json", options->json, "Write everything to this file");
+  command->add_flag("--allow-external", options->allow_external,
+                    "Let the scene refer to files outside its folder");
+  command->callback([options] {
+    const Json scene = inspect(*options);
+    if (!options->json.empty())
+      image::write_file_atomically(options->json,
+                                   scene.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+    print(scene);
+  });
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,92 @@
+// regulus inspect as a user runs it, against what is counted in the file itself.
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "cli/process.hpp"
+#include "images/support/gltf_scene.hpp"
+#include "images/support/render_scene.hpp"
+
+namespace regulus::test {
+namespace {
+
+using nlohmann::json;
+
+json read_json(const std::filesystem::path& path) {
+  std::ifstream stream(path);
+  return json::parse(stream);
+}
+
+std::set<std::string> names(const json& array) {
+  return array.get<std::set<std::string>>();
+}
+
+json inspected(const std::string& scene) {
+  const TemporaryFolder folder;
+  const std::string file = (folder / "inspect.json").string();
+  const Finished finished = run({"inspect", scene, "--json", file});
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_GE(count_lines(finished.out), 10u);
+  return read_json(file);
+}
+
+// Cornell: two spheres, a mirror and a glass one, a lamp of two triangles, no textures.
+TEST(Inspect, CountsWhatTheFileHolds) {
+  const std::string path = (own_scenes() / "cornell" / "cornell.gltf").string();
+  const json file = read_json(path), scene = inspected(path);
+  uint64_t triangles = 0, instances = 0;
+  for (const json& node : file["nodes"]) {
+    if (!node.contains("mesh")) continue;
+    ++instances;
+    for (const json& primitive : file["meshes"][node["mesh"].get<size_t>()]["primitives"])
+      triangles += file["accessors"][primitive["indices"].get<size_t>()]["count"].get<uint64_t>() / 3;
+  }
+  EXPECT_EQ(scene["triangles"], triangles);
+  EXPECT_EQ(scene["instances"], instances);
+  EXPECT_EQ(scene["meshes"], file["meshes"].size());
+  EXPECT_EQ(scene["materials"].size(), file["materials"].size());
+  EXPECT_EQ(names(scene["extensions"]["read"]), names(file["extensionsUsed"]));
+  EXPECT_TRUE(scene["extensions"]["ignored"].empty());
+  EXPECT_EQ(scene["lights"]["triangle"], 2);
+  EXPECT_EQ(scene["lights"]["point"], 0);
+  EXPECT_EQ(scene["textures"], 0);
+  uint64_t total = 0;
+  for (const auto& [part, bytes] : scene["bytes"].items())
+    if (part != "total") total += bytes.get<uint64_t>();
+  EXPECT_EQ(scene["bytes"]["total"], total);
+  EXPECT_GE(scene["bytes"]["geometry"].get<uint64_t>(), triangles * 24);  // three indices at the least
+  EXPECT_EQ(names(scene["features"]["present"]),
+            (std::set<std::string>{"triangle_lights", "delta_specular", "many_lights", "smooth_normals"}));
+  EXPECT_TRUE(scene["features"]["absent"].contains("textures"));
+}
+
+// A diffuse quad under a point light: nothing specular, so the stages of those classes are skipped.
+TEST(Inspect, NamesTheStagesThatAreSkipped) {
+  const TemporaryFolder folder;
+  GltfScene scene;
+  scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
+  scene.add_point_light({0, 0, 1}, {1, 1, 1});
+  scene.write((folder / "scene.gltf").string());
+  const json result = inspected((folder / "scene.gltf").string());
+  const auto run_stages = names(result["stages"]["run"]), skipped = names(result["stages"]["skipped"]);
+  EXPECT_TRUE(run_stages.contains("camera_bounce.diffuse"));
+  EXPECT_TRUE(skipped.contains("camera_bounce.opaque"));
+  EXPECT_TRUE(skipped.contains("camera_bounce.transmissive"));
+  EXPECT_EQ(names(result["features"]["present"]), std::set<std::string>{"point_lights"});
+  EXPECT_EQ(result["lights"]["point"], 1);
+  EXPECT_EQ(result["cameras"].size(), 1u);
+  EXPECT_EQ(result["cameras"][0]["from_file"], false);
+}
+
+TEST(Inspect, ReportsABrokenFileInOneLine) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "broken.gltf") << "{";
+  expect_error(run({"inspect", (folder / "broken.gltf").string()}), 3, {"broken.gltf"});
+  expect_error(run({"inspect", (folder / "missing.gltf").string()}), 3, {"missing.gltf"});
+  EXPECT_EQ(run({"inspect"}).status, 2);
+}
+
+}  // namespace
+}  // namespace regulus::test
