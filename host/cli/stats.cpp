@@ -69,8 +69,10 @@ nlohmann::json scene_json(const scene::Scene& scene) {
 nlohmann::json stages_json(const render::RenderSettings& settings, const scene::Scene& scene,
                            const render::RenderStatistics& statistics) {
   const scene::Features features = scene::find_features(scene);
+  render::RenderSettings effective = settings;
+  effective.techniques = render::effective_techniques(features, settings);
   nlohmann::json stages = nlohmann::json::array();
-  for (const render::StageStep& step : render::PATH_TRACING_PASS) {
+  for (const render::StageStep& step : render::STAGES) {
     const auto found = statistics.stages.find(step.name);
     const render::StageStatistics stage =
         found == statistics.stages.end() ? render::StageStatistics{} : found->second;
@@ -78,7 +80,7 @@ nlohmann::json stages_json(const render::RenderSettings& settings, const scene::
                       {"dispatches", stage.dispatches},
                       {"items", statistics.items(step)},
                       {"device_ms", stage.device_ms},
-                      {"skipped", !render::is_needed(step, features, settings)}});
+                      {"skipped", !render::is_needed(step, features, effective)}});
   }
   return stages;
 }
@@ -121,6 +123,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
           {"spp_done", statistics.paths / pixels},
           {"samples", statistics.paths},
+          {"light_paths", statistics.light_paths},
           {"samples_per_second",
            static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9)},
           {"non_finite", statistics.non_finite},

@@ -15,11 +15,16 @@ struct Film {
   std::vector<uint32_t> words;  ///< FILM_WORDS_PER_PIXEL per pixel
   uint64_t paths = 0;
 
+  /// Of technique `splat`: sums of whole light paths over all pixels; empty if it is not enabled.
+  std::vector<uint32_t> splat_words;
+  uint64_t light_paths = 0;                ///< light paths in splat_words
+  uint64_t light_paths_per_iteration = 1;  ///< by which each splat was divided
+
   /// Complete samples of pixel `pixel` (y * width + x).
   uint64_t samples(uint64_t pixel) const;
 };
 
-/// The mean of the samples of each pixel; 0 where a pixel has none.
+/// The mean of the samples of each pixel, 0 where a pixel has none, and the mean of the splats.
 image::Image resolve(const Film& film);
 
 }  // namespace regulus::render

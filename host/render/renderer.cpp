@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <deque>
 
-#include "base/error.hpp"
 #include "render/device_scene.hpp"
+#include "render/scan.hpp"
 #include "render/stages.hpp"
+#include "render/wavefront_buffers.hpp"
 
 namespace regulus::render {
 
@@ -14,10 +16,6 @@ using namespace interface;
 using Clock = std::chrono::steady_clock;
 
 namespace {
-
-// Device memory of one path slot, over all queues.
-constexpr uint64_t BYTES_PER_PATH = sizeof(Path) + sizeof(Hit) + sizeof(vec3) + 2 * sizeof(uint32_t) +
-                                    MATERIAL_CLASS_COUNT * sizeof(uint32_t) + sizeof(VisibilityCandidate);
 
 // A wave is doubled while it takes less than the first and halved when it takes more than the second: the
 // submission stays well under the 200 ms at which watchdogs of interactive systems get nervous.
@@ -33,11 +31,21 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// What can contribute, and values in place of "choose for me".
+RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings& asked) {
+  RenderSettings settings = asked;
+  settings.techniques = effective_techniques(scene::find_features(scene), asked);
+  if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
+  if (settings.merge_radius == 0)
+    settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
+  return settings;
+}
+
 uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t total_paths) {
   uint64_t paths = settings.wave_paths;
   if (paths == 0) {
     paths = device.info().kind == gpu::DeviceKind::Software ? SOFTWARE_WAVE_PATHS : HARDWARE_WAVE_PATHS;
-    paths = std::min(paths, device.free_bytes() / 2 / BYTES_PER_PATH);
+    paths = std::min(paths, device.free_bytes() / 2 / bytes_per_path(settings));
   }
   const uint64_t group_limit = uint64_t{65535} * WORKGROUP_SIZE;  // groups per dimension, Vulkan's minimum
   paths = std::clamp<uint64_t>(std::min(paths, total_paths), WORKGROUP_SIZE, group_limit);
@@ -51,94 +59,87 @@ struct Renderer::Impl {
   RenderSettings settings;
   uint64_t pixels, total_paths;
   uint32_t capacity;
+  LightVertexPlan plan;
   DeviceScene scene;
-  gpu::Buffer paths, hits, radiance, ray_queues, bounce_queues, candidates, queue_heads, empty_heads,
-      film_sums, counters, frame_buffer;
+  WavefrontBuffers buffers;
   std::vector<PipelineStep> pipeline;
+  Scan scan;
+  bool has_light_pass, has_camera_pass;
   Film film;
   RenderStatistics statistics;
 
   struct Wave {
     gpu::Submission submission;
-    uint32_t paths;
+    uint64_t paths, light_paths;
   };
   std::deque<Wave> in_flight;
-  uint64_t submitted = 0, finished = 0;  // paths
+  uint64_t finished = 0, finished_light = 0;  // paths
+  uint32_t wave_paths = 0;                    // of the next wave
+  Clock::time_point last_wave, last_snapshot;
+  const ProgressCallback* progress = nullptr;
+  bool is_running = true;
 
   Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
        const RenderSettings& settings_in)
       : device(device_in),
-        settings(settings_in),
+        settings(render::resolve_settings(scene_in, settings_in)),
         pixels(uint64_t{settings.width} * settings.height),
         total_paths(pixels * settings.samples),
-        capacity(choose_capacity(device, settings, total_paths)),
-        scene(device, scene_in, bvh) {
-    if (settings.techniques & LIGHT_SUBPATH_TECHNIQUES)
-      throw Error(ExitStatus::BadUsage, "techniques splat, connect and merge are not built for devices yet");
-    create_buffers();
-    write_frame(scene_in);
-    pipeline = build_pipeline(device, scene::find_features(scene_in), settings);
-    film = {settings.width, settings.height, std::vector<uint32_t>(pixels * FILM_WORDS_PER_PIXEL), 0};
-    statistics.wave_capacity = capacity;
-    statistics.bytes_per_path = BYTES_PER_PATH;
-  }
-
-  void create_buffers() {
-    const auto per_path = [&](uint64_t bytes, const char* name) {
-      return device.create_buffer(capacity * bytes, name);
+        capacity(choose_capacity(device, settings, std::max<uint64_t>(total_paths, settings.light_paths))),
+        plan(plan_light_vertices(settings)),
+        scene(device, scene_in, bvh),
+        buffers(device, scene,
+                scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
+                settings, capacity),
+        pipeline(build_pipeline(device, scene::find_features(scene_in), settings)),
+        scan(device) {
+    const auto has_pass = [&](Pass pass) {
+      return std::ranges::any_of(pipeline,
+                                 [&](const PipelineStep& entry) { return entry.step.pass == pass; });
     };
-    paths = per_path(sizeof(Path), "paths");
-    hits = per_path(sizeof(Hit), "hits");
-    radiance = per_path(sizeof(vec3), "radiance");
-    ray_queues = per_path(2 * sizeof(uint32_t), "ray queues");
-    bounce_queues = per_path(MATERIAL_CLASS_COUNT * sizeof(uint32_t), "bounce queues");
-    candidates = per_path(sizeof(VisibilityCandidate), "visibility candidates");
-    // One head more than bounces: the last bounce still names the queue after it.
-    const std::vector<QueueHead> heads((settings.max_depth + 1) * QUEUES_PER_BOUNCE, {0, 1, 1, 0});
-    empty_heads = gpu::upload_new(device, heads, "empty queue heads");
-    queue_heads = gpu::upload_new(device, heads, "queue heads");
-    film_sums = device.create_buffer(pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t), "film");
-    counters = device.create_buffer(COUNTER_COUNT * 2 * sizeof(uint32_t), "counters");
+    has_light_pass = has_pass(Pass::Light);
+    has_camera_pass = has_pass(Pass::Camera);
+    film.width = settings.width;
+    film.height = settings.height;
+    film.words.resize(pixels * FILM_WORDS_PER_PIXEL);
+    film.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
+    film.light_paths_per_iteration = settings.light_paths;
+    statistics.wave_capacity = capacity;
+    statistics.bytes_per_path = bytes_per_path(settings);
+    wave_paths = settings.wave_paths != 0 ? capacity : std::min(capacity, FIRST_WAVE_PATHS);
   }
 
-  void write_frame(const scene::Scene& scene_in) {
-    const auto address = [](const gpu::Buffer& buffer) { return device_address(buffer.address()); };
-    Frame frame{};
-    scene.fill(frame);
-    frame.paths = address(paths);
-    frame.hits = address(hits);
-    frame.radiance = address(radiance);
-    frame.ray_queues = address(ray_queues);
-    frame.bounce_queues = address(bounce_queues);
-    frame.candidates = address(candidates);
-    frame.queue_heads = address(queue_heads);
-    frame.film = address(film_sums);
-    frame.counters = address(counters);
-    frame.width = settings.width;
-    frame.height = settings.height;
-    frame.seed = settings.seed;
-    frame.max_depth = settings.max_depth;
-    frame.wave_capacity = capacity;
-    frame.filter_radius = settings.filter_radius;
-    frame.filter_sigma = settings.filter_sigma;
-    frame.camera = scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height);
-    frame_buffer = gpu::upload_new(device, std::vector<Frame>{frame}, "frame");
-  }
+  // ---- waves
 
-  void submit_wave(uint32_t wave_paths) {
+  // Arguments of a wave that starts at path `first` of sample `sample`.
+  StageArguments arguments_of(uint64_t first, uint64_t sample, uint32_t paths) const {
     StageArguments arguments{};
-    arguments.frame = device_address(frame_buffer.address());
-    arguments.wave_paths = wave_paths;
-    arguments.first_pixel = static_cast<uint32_t>(submitted % pixels);
-    arguments.first_sample = static_cast<uint32_t>(settings.first_sample + submitted / pixels);
-    gpu::CommandList commands(device);
-    commands.copy(empty_heads, 0, queue_heads, 0, queue_heads.size());
-    record_wave(commands, pipeline, {queue_heads, arguments, settings.max_depth});
-    in_flight.push_back({device.submit(std::move(commands)), wave_paths});
-    submitted += wave_paths;
+    arguments.frame = buffers.frame_address();
+    arguments.wave_paths = paths;
+    arguments.first_pixel = static_cast<uint32_t>(first);
+    arguments.first_sample = static_cast<uint32_t>(settings.first_sample + sample);
+    arguments.merge_radius = merge_radius(sample);
+    return arguments;
   }
 
-  // Waits for the oldest wave.
+  // Of the iteration of a sample; the schedule counts from the first sample of all, not of this range.
+  float merge_radius(uint64_t sample) const {
+    const double iteration = static_cast<double>(settings.first_sample + sample + 1);
+    return settings.merge_radius * static_cast<float>(std::pow(iteration, -double{settings.merge_reduction}));
+  }
+
+  void record_pass(gpu::CommandList& commands, Pass pass, const StageArguments& arguments,
+                   uint32_t merge_rounds = 1) {
+    commands.copy(buffers.empty_heads, 0, buffers.queue_heads, 0, buffers.queue_heads.size());
+    const uint32_t bounces = pass == Pass::Light ? std::max(settings.max_depth, 2u) - 1 : settings.max_depth;
+    record_wave(commands, pipeline, pass, {buffers.queue_heads, arguments, bounces, merge_rounds});
+  }
+
+  void submit(gpu::CommandList commands, uint64_t paths, uint64_t light_paths) {
+    in_flight.push_back({device.submit(std::move(commands)), paths, light_paths});
+  }
+
+  // Waits for the oldest wave; false if the render is to stop.
   void finish_wave() {
     for (const gpu::StageTime& time : device.wait(in_flight.front().submission)) {
       StageStatistics& stage = statistics.stages[time.stage];
@@ -147,50 +148,176 @@ struct Renderer::Impl {
       statistics.device_seconds += 1e-3 * time.device_ms;
     }
     finished += in_flight.front().paths;
+    finished_light += in_flight.front().light_paths;
     in_flight.pop_front();
   }
 
+  void finish_all_waves() {
+    while (!in_flight.empty()) finish_wave();
+  }
+
+  // Waits for the oldest wave and learns from the time it took how large the next should be.
+  void finish_measured_wave() {
+    const Wave& wave = in_flight.front();
+    const uint64_t measured = std::max(wave.paths, wave.light_paths);
+    finish_wave();
+    // The device always has the next wave at hand, so it spent the time since the last wave on this one.
+    const double wave_ms = 1e3 * seconds_since(last_wave);
+    last_wave = Clock::now();
+    if (settings.wave_paths == 0 && measured == wave_paths) {
+      if (wave_ms < SHORT_WAVE_MS) wave_paths = std::min(capacity, 2 * wave_paths);
+      if (wave_ms > LONG_WAVE_MS) wave_paths = std::max(WORKGROUP_SIZE, wave_paths / 2);
+    }
+    is_running = (*progress)(finished, total_paths) && is_running;
+    if (seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
+      take_snapshot();
+      last_snapshot = Clock::now();
+    }
+  }
+
+  // Hands out waves over [0, count) paths until all are done or the render is to stop: `record` fills the
+  // command list of the wave [first, first + paths) and says how many camera and light paths it holds.
+  template <typename Record>
+  void run_waves(uint64_t count, const Record& record) {
+    uint64_t submitted = 0;
+    while (is_running && (submitted < count || !in_flight.empty())) {
+      while (in_flight.size() < WAVES_IN_FLIGHT && submitted < count) {
+        const auto paths = static_cast<uint32_t>(std::min<uint64_t>(wave_paths, count - submitted));
+        gpu::CommandList commands(device);
+        const auto [camera_paths, light_paths] = record(commands, submitted, paths);
+        submit(std::move(commands), camera_paths, light_paths);
+        submitted += paths;
+      }
+      finish_measured_wave();
+    }
+    finish_all_waves();
+  }
+
+  // ---- schedules
+
+  struct WavePaths {
+    uint64_t camera, light;
+  };
+
+  // Every wave is complete in itself: light paths, if any, then the camera paths that connect to them. Waves
+  // run over pixels and samples alike.
+  void render_by_waves() {
+    run_waves(total_paths, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+      const StageArguments arguments = arguments_of(first % pixels, first / pixels, paths);
+      if (has_light_pass) {
+        commands.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
+        record_pass(commands, Pass::Light, arguments);
+      }
+      if (has_camera_pass) record_pass(commands, Pass::Camera, arguments);
+      return WavePaths{paths, has_light_pass ? paths : 0};
+    });
+  }
+
+  // All light paths of an iteration, then one sample of every pixel.
+  void render_by_iterations() {
+    for (uint64_t sample = 0; is_running && sample < settings.samples; ++sample) {
+      walk_light_paths(sample, false);
+      if (!is_running) break;
+      if (plan.has_vertices) make_light_vertices_fit(sample);
+      const uint32_t merge_rounds = sort_light_vertices(sample);
+      if (has_camera_pass) {
+        run_waves(pixels, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+          record_pass(commands, Pass::Camera, arguments_of(first, sample, paths), merge_rounds);
+          return WavePaths{paths, 0};
+        });
+      } else {
+        finished += pixels;
+      }
+    }
+  }
+
+  void walk_light_paths(uint64_t sample, bool is_repeated) {
+    gpu::CommandList clear(device);
+    clear.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
+    submit(std::move(clear), 0, 0);
+    run_waves(settings.light_paths, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+      StageArguments arguments = arguments_of(first, sample, paths);
+      arguments.round = is_repeated ? 1 : 0;
+      record_pass(commands, Pass::Light, arguments);
+      return WavePaths{0, is_repeated ? 0 : paths};
+    });
+  }
+
+  uint32_t read_light_word(uint64_t index) {
+    return gpu::download_all<uint32_t>(device, buffers.light_vertex_count, 1, index * sizeof(uint32_t))
+        .front();
+  }
+
+  // If not all vertices could be stored the walk is repeated with room for them: what it stores and what it
+  // splats is the same every time.
+  void make_light_vertices_fit(uint64_t sample) {
+    const uint64_t counted = read_light_word(0);
+    if (counted <= buffers.light_vertex_capacity()) return;
+    buffers.grow_light_vertices(device, counted + counted / 4);
+    walk_light_paths(sample, true);
+  }
+
+  // Makes the light vertices findable by place and by number; returns the rounds that merging takes.
+  uint32_t sort_light_vertices(uint64_t sample) {
+    if (!is_running || !plan.has_vertices) return 1;
+    const StageArguments arguments = arguments_of(0, sample, 0);
+    gpu::CommandList commands(device);
+    if (buffers.light_path_ends.size() != 0) {
+      record_step(commands, pipeline, "light_path_counts", arguments, settings.light_paths);
+      scan.record(commands, buffers.light_path_ends, settings.light_paths);
+    }
+    if (plan.has_merges) {
+      const uint64_t vertices = read_light_word(0);
+      commands.fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
+      record_step(commands, pipeline, "grid_count", arguments, vertices);
+      scan.record(commands, buffers.grid_cells, buffers.grid_cell_count() + 1);
+      record_step(commands, pipeline, "grid_scatter", arguments, vertices);
+    }
+    submit(std::move(commands), 0, 0);
+    finish_all_waves();
+    const uint64_t most_in_reach = 8 * uint64_t{plan.has_merges ? read_light_word(1) : 0};
+    return static_cast<uint32_t>(
+        std::max<uint64_t>(1, (most_in_reach + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH));
+  }
+
+  // ---- results
+
   // Copies the film to the host, so that what is done survives the device.
   void take_snapshot() {
-    while (!in_flight.empty()) finish_wave();
+    finish_all_waves();
     // The film changes as a whole or, if the device is lost on the way, not at all.
-    std::vector<uint32_t> sums = gpu::download_all<uint32_t>(device, film_sums, film.words.size());
-    const auto words = gpu::download_all<uint32_t>(device, counters, 2 * COUNTER_COUNT);
+    auto sums = gpu::download_all<uint32_t>(device, buffers.film, film.words.size());
+    auto splats = gpu::download_all<uint32_t>(device, buffers.splat_film, film.splat_words.size());
+    const auto words = gpu::download_all<uint32_t>(device, buffers.counters, 2 * COUNTER_COUNT);
     film.words.swap(sums);
+    film.splat_words.swap(splats);
     film.paths = finished;
+    film.light_paths = finished_light;
     const auto counter = [&](uint32_t index) {
       return words[2 * index] | uint64_t{words[2 * index + 1]} << 32;
     };
     statistics.paths = finished;
+    statistics.light_paths = finished_light;
     statistics.non_finite = counter(COUNTER_NON_FINITE);
     statistics.traversal_overruns = counter(COUNTER_TRAVERSAL_OVERRUN);
-    for (uint32_t queue = 0; queue < QUEUES_PER_BOUNCE; ++queue)
-      statistics.queue_items[queue] = counter(COUNTER_QUEUE_ITEMS + queue);
+    for (uint32_t queue = 0; queue < QUEUES_PER_BOUNCE; ++queue) {
+      statistics.camera_items[queue] =
+          counter(COUNTER_QUEUE_ITEMS + COUNTED_CAMERA_PASS * QUEUES_PER_BOUNCE + queue);
+      statistics.light_items[queue] =
+          counter(COUNTER_QUEUE_ITEMS + COUNTED_LIGHT_PASS * QUEUES_PER_BOUNCE + queue);
+    }
   }
 
-  void render(const ProgressCallback& progress) {
+  void render(const ProgressCallback& progress_in) {
     const auto start = Clock::now();
-    auto last_snapshot = start, last_wave = start;
-    uint32_t wave_paths = settings.wave_paths != 0 ? capacity : std::min(capacity, FIRST_WAVE_PATHS);
-    bool running = true;
-    while (running && finished < total_paths) {
-      while (in_flight.size() < WAVES_IN_FLIGHT && submitted < total_paths)
-        submit_wave(static_cast<uint32_t>(std::min<uint64_t>(wave_paths, total_paths - submitted)));
-      const uint32_t measured_paths = in_flight.front().paths;
-      finish_wave();
-      // The device always has the next wave at hand, so it spent the time since the last wave on this one.
-      const double wave_ms = 1e3 * seconds_since(last_wave);
-      last_wave = Clock::now();
-      if (settings.wave_paths == 0 && measured_paths == wave_paths) {
-        if (wave_ms < SHORT_WAVE_MS) wave_paths = std::min(capacity, 2 * wave_paths);
-        if (wave_ms > LONG_WAVE_MS) wave_paths = std::max(WORKGROUP_SIZE, wave_paths / 2);
-      }
-      running = progress(finished, total_paths);
-      if (seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
-        take_snapshot();
-        last_snapshot = Clock::now();
-      }
-    }
+    last_snapshot = last_wave = start;
+    progress = &progress_in;
+    if (!has_light_pass && !has_camera_pass)
+      finished = total_paths;  // no technique can contribute: the image is black
+    else if (plan.is_per_wave)
+      render_by_waves();
+    else
+      render_by_iterations();
     take_snapshot();
     statistics.render_seconds += seconds_since(start);
   }

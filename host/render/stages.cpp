@@ -1,5 +1,6 @@
 #include "render/stages.hpp"
 
+#include <algorithm>
 #include <string_view>
 
 #include "render/shaders.hpp"
@@ -8,16 +9,39 @@ namespace regulus::render {
 
 using namespace interface;
 
+namespace {
+
+uint32_t groups_of(uint64_t items) {
+  return static_cast<uint32_t>((items + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE);
+}
+
+// Merges take turns over the light vertices in reach, see MERGE_ROUND_LENGTH.
+uint32_t rounds_of(const StageStep& step, const WaveCommands& wave) {
+  return std::string_view(step.shader) == "merge" ? wave.merge_rounds : 1;
+}
+
+}  // namespace
+
+uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings) {
+  uint32_t techniques = settings.techniques;
+  constexpr uint32_t LIGHTS = FEATURE_TRIANGLE_LIGHTS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
+  if ((features.bits & LIGHTS) == 0) techniques &= ~(TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES);
+  if ((features.bits & FEATURE_TRIANGLE_LIGHTS) == 0) techniques &= ~TECHNIQUE_HIT;
+  if (!features.has_connectible_surfaces) techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
+  return techniques;
+}
+
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {
-  if (step.technique != 0 && (settings.techniques & step.technique) == 0) return false;
+  if ((settings.techniques & step.techniques) == 0) return false;
+  if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
   return step.material_class == ANY_CLASS || (features.material_classes >> step.material_class & 1) != 0;
 }
 
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
                                          const RenderSettings& settings) {
   std::vector<PipelineStep> pipeline;
-  for (const StageStep& step : PATH_TRACING_PASS) {
-    if (!is_needed(step, features, settings)) continue;
+  for (const StageStep& step : STAGES) {
+    if (step.extent == Extent::Scan || !is_needed(step, features, settings)) continue;
     const uint32_t material_class = step.material_class == ANY_CLASS ? 0 : step.material_class;
     gpu::KernelDescription description{step.name,
                                        stage_spirv(device, step.shader),
@@ -33,22 +57,28 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
   return pipeline;
 }
 
-void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline,
+void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, Pass pass,
                  const WaveCommands& wave) {
   StageArguments arguments = wave.arguments;
-  const uint32_t wave_groups = (arguments.wave_paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE;
   const auto record_extent = [&](Extent extent) {
     std::string_view previous_shader;
     for (const PipelineStep& entry : pipeline) {
-      if (entry.step.extent != extent) continue;
-      if (entry.step.shader == previous_shader) commands.independent();
-      previous_shader = entry.step.shader;
-      if (extent == Extent::Bounce) {
-        const uint64_t head = uint64_t{arguments.bounce} * QUEUES_PER_BOUNCE + entry.step.queue;
-        commands.dispatch_indirect(entry.kernel, gpu::bytes_of(arguments), wave.queue_heads,
-                                   head * sizeof(QueueHead));
-      } else {
-        commands.dispatch(entry.kernel, gpu::bytes_of(arguments), extent == Extent::Once ? 1 : wave_groups);
+      if (entry.step.pass != pass || entry.step.extent != extent) continue;
+      for (uint32_t round = 0; round < rounds_of(entry.step, wave); ++round) {
+        if (entry.step.shader == previous_shader) commands.independent();
+        previous_shader = entry.step.shader;
+        StageArguments own = arguments;
+        if (round > 0) own.round = round;
+        if (extent == Extent::Once)
+          own.round = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
+        if (extent == Extent::Bounce) {
+          const uint64_t head = uint64_t{arguments.bounce} * QUEUES_PER_BOUNCE + entry.step.queue;
+          commands.dispatch_indirect(entry.kernel, gpu::bytes_of(own), wave.queue_heads,
+                                     head * sizeof(QueueHead));
+        } else {
+          commands.dispatch(entry.kernel, gpu::bytes_of(own),
+                            extent == Extent::Once ? 1 : groups_of(arguments.wave_paths));
+        }
       }
     }
   };
@@ -57,6 +87,20 @@ void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pi
     record_extent(Extent::Bounce);
   record_extent(Extent::WaveEnd);
   record_extent(Extent::Once);
+}
+
+void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, std::string_view name,
+                 const StageArguments& arguments, uint64_t items) {
+  const auto entry = std::ranges::find(
+      pipeline, name, [](const PipelineStep& candidate) { return std::string_view(candidate.step.name); });
+  if (entry == pipeline.end()) return;
+  constexpr uint64_t MOST = uint64_t{65535} * WORKGROUP_SIZE;  // groups per dispatch, Vulkan's minimum
+  for (uint64_t first = 0; first < items; first += MOST) {
+    StageArguments own = arguments;
+    own.first_pixel = static_cast<uint32_t>(first);
+    if (first > 0) commands.independent();
+    commands.dispatch(entry->kernel, gpu::bytes_of(own), groups_of(std::min(MOST, items - first)));
+  }
 }
 
 }  // namespace regulus::render

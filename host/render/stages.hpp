@@ -1,5 +1,5 @@
-// The stages of a pass, in order, as data. A reader who wants to know what the renderer does reads
-// PATH_TRACING_PASS; a stage whose condition does not hold is neither built nor dispatched.
+// The stages of a render, in order, as data. A reader who wants to know what the renderer does reads STAGES;
+// a stage whose condition does not hold is neither built nor dispatched.
 #pragma once
 
 #include <array>
@@ -13,42 +13,86 @@
 
 namespace regulus::render {
 
-/// How often a stage runs in a pass, and over what.
-enum class Extent {
-  WaveStart,  ///< once, over all path slots, before the first bounce
-  Bounce,     ///< per bounce, over the queue named in the step
-  WaveEnd,    ///< once, over all path slots, after the last bounce
-  Once,       ///< one workgroup, after everything else
+/// A pass runs its stages over one wave of paths, or once over all light vertices of an iteration.
+enum class Pass {
+  Light,   ///< a wave of light paths
+  Cache,   ///< makes the iteration's light vertices countable path by path, for connections to the cache
+  Grid,    ///< sorts them into the merge grid
+  Camera,  ///< a wave of camera paths
 };
 
-/// One line of a pass. Steps that follow each other with the same shader work on different items of the
-/// same queues and need no order between them.
+/// How often a stage runs in its pass, and over what.
+enum class Extent {
+  WaveStart,      ///< once, over all path slots, before the first bounce
+  Bounce,         ///< per bounce, over the queue named in the step
+  WaveEnd,        ///< once, over all path slots, after the last bounce
+  Once,           ///< one workgroup, after everything else
+  LightPaths,     ///< over the light paths of the iteration
+  LightVertices,  ///< over the light vertices of the iteration
+  Scan,           ///< a scan of what the stage before it wrote (render/scan.hpp)
+};
+
+/// When a step is needed at all, beside its technique.
+enum class Needs { Nothing, CacheConnections };
+
+/// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
+/// queues and need no order between them.
 struct StageStep {
+  Pass pass;
   const char* shader;  ///< file name in shaders/stages
   const char* name;    ///< in timings and statistics
   Extent extent;
   uint32_t queue;           ///< QUEUE_*, for Extent::Bounce
   uint32_t material_class;  ///< MATERIAL_CLASS_*; ANY_CLASS: the stage does not depend on it
-  uint32_t technique;       ///< runs only if this TECHNIQUE_* is enabled; 0: always
+  uint32_t techniques;      ///< runs only if one of these TECHNIQUE_* is enabled
+  Needs needs = Needs::Nothing;
 };
 
 inline constexpr uint32_t ANY_CLASS = interface::INVALID_INDEX;
 
+namespace detail {
+using namespace interface;
+inline constexpr uint32_t LIGHT = LIGHT_SUBPATH_TECHNIQUES;
+inline constexpr uint32_t CAMERA = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+inline constexpr uint32_t DIFFUSE = MATERIAL_CLASS_DIFFUSE, OPAQUE = MATERIAL_CLASS_OPAQUE,
+                          TRANSMISSIVE = MATERIAL_CLASS_TRANSMISSIVE;
+
 // clang-format off
-inline constexpr std::array PATH_TRACING_PASS = {
-    StageStep{"camera_generate",  "camera_generate",  Extent::WaveStart, 0, ANY_CLASS, 0},
-    StageStep{"trace_closest",    "trace_closest",    Extent::Bounce, interface::QUEUE_RAYS, ANY_CLASS, 0},
-    StageStep{"camera_bounce",    "camera_bounce.diffuse", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_DIFFUSE, interface::MATERIAL_CLASS_DIFFUSE, 0},
-    StageStep{"camera_bounce",    "camera_bounce.opaque", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_OPAQUE, interface::MATERIAL_CLASS_OPAQUE, 0},
-    StageStep{"camera_bounce",    "camera_bounce.transmissive", Extent::Bounce,
-              interface::QUEUE_BOUNCE + interface::MATERIAL_CLASS_TRANSMISSIVE, interface::MATERIAL_CLASS_TRANSMISSIVE, 0},
-    StageStep{"trace_visibility", "trace_visibility", Extent::Bounce, interface::QUEUE_VISIBILITY, ANY_CLASS, interface::TECHNIQUE_NEE},
-    StageStep{"accumulate",       "accumulate",       Extent::WaveEnd, 0, ANY_CLASS, 0},
-    StageStep{"count_work",       "count_work",       Extent::Once, 0, ANY_CLASS, 0},
+inline constexpr std::array STAGES = {
+    StageStep{Pass::Light,  "light_generate",    "light_generate",              Extent::WaveStart,     0,                           ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,  "trace_closest",     "light.trace_closest",         Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,  "light_bounce",      "light_bounce.diffuse",        Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      LIGHT},
+    StageStep{Pass::Light,  "light_bounce",      "light_bounce.opaque",         Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       LIGHT},
+    StageStep{Pass::Light,  "light_bounce",      "light_bounce.transmissive",   Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, LIGHT},
+    StageStep{Pass::Light,  "trace_splats",      "trace_splats",                Extent::Bounce,        QUEUE_SPLATS,                ANY_CLASS,    TECHNIQUE_SPLAT},
+    StageStep{Pass::Light,  "count_work",        "light.count_work",            Extent::Once,          0,                           ANY_CLASS,    LIGHT},
+
+    StageStep{Pass::Cache,  "light_path_counts", "light_path_counts",           Extent::LightPaths,    0,                           ANY_CLASS,    TECHNIQUE_CONNECT, Needs::CacheConnections},
+    StageStep{Pass::Cache,  "scan_sums",         "scan_light_paths",            Extent::Scan,          0,                           ANY_CLASS,    TECHNIQUE_CONNECT, Needs::CacheConnections},
+
+    StageStep{Pass::Grid,   "grid_count",        "grid_count",                  Extent::LightVertices, 0,                           ANY_CLASS,    TECHNIQUE_MERGE},
+    StageStep{Pass::Grid,   "scan_sums",         "scan_grid",                   Extent::Scan,          0,                           ANY_CLASS,    TECHNIQUE_MERGE},
+    StageStep{Pass::Grid,   "grid_scatter",      "grid_scatter",                Extent::LightVertices, 0,                           ANY_CLASS,    TECHNIQUE_MERGE},
+
+    StageStep{Pass::Camera, "camera_generate",   "camera_generate",             Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera, "trace_closest",     "trace_closest",               Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.diffuse",       Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      CAMERA},
+    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.opaque",        Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       CAMERA},
+    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.transmissive",  Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, CAMERA},
+    StageStep{Pass::Camera, "connect",           "connect.diffuse",             Extent::Bounce,        QUEUE_PAIRS + DIFFUSE,       DIFFUSE,      TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera, "connect",           "connect.opaque",              Extent::Bounce,        QUEUE_PAIRS + OPAQUE,        OPAQUE,       TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera, "connect",           "connect.transmissive",        Extent::Bounce,        QUEUE_PAIRS + TRANSMISSIVE,  TRANSMISSIVE, TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera, "trace_visibility",  "trace_visibility",            Extent::Bounce,        QUEUE_VISIBILITY,            ANY_CLASS,    TECHNIQUE_NEE | TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera, "merge",             "merge.diffuse",               Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      TECHNIQUE_MERGE},
+    StageStep{Pass::Camera, "merge",             "merge.opaque",                Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       TECHNIQUE_MERGE},
+    StageStep{Pass::Camera, "merge",             "merge.transmissive",          Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
+    StageStep{Pass::Camera, "accumulate",        "accumulate",                  Extent::WaveEnd,       0,                           ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera, "count_work",        "count_work",                  Extent::Once,          0,                           ANY_CLASS,    CAMERA},
 };
 // clang-format on
+}  // namespace detail
+
+using detail::STAGES;
 
 /// A step with its kernel, ready to be recorded.
 struct PipelineStep {
@@ -56,22 +100,34 @@ struct PipelineStep {
   gpu::Kernel kernel;
 };
 
-/// True if the step runs for a scene with these features under these settings.
+/// The techniques that can contribute to an image of the scene: without those that need what it lacks
+/// (emitters that can be hit, lights at all, surfaces that are not perfectly specular).
+uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings);
+
+/// True if the step runs for a scene with these features under these settings, whose techniques are effective
+/// ones.
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings);
 
-/// Compiles the steps of the pass that are needed.
+/// Compiles the steps of STAGES that are needed, but for scans (render/scan.hpp).
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
                                          const RenderSettings& settings);
 
-/// Where the commands of a wave find their arguments.
+/// What the stages of a wave need to be recorded.
 struct WaveCommands {
   const gpu::Buffer& queue_heads;
   interface::StageArguments arguments;  ///< `bounce` is filled per bounce
-  uint32_t bounces;                     ///< path edges
+  uint32_t bounces;                     ///< rays per path at most
+  uint32_t merge_rounds = 1;            ///< dispatches of each merge stage
 };
 
-/// Records one wave: every step over its extent, queues dispatched indirectly with exact counts.
-void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline,
+/// Records a pass over one wave: every step over its extent, queues dispatched indirectly with exact counts.
+/// The queue heads are empty.
+void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, Pass pass,
                  const WaveCommands& wave);
+
+/// Records the step named `name`, if it was built, over `items` items: arguments.first_pixel becomes the
+/// first item of each dispatch.
+void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, std::string_view name,
+                 const interface::StageArguments& arguments, uint64_t items);
 
 }  // namespace regulus::render

@@ -52,6 +52,13 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
   return bits;
 }
 
+// Conservative: textures may take away what the factors allow, never add to it.
+bool is_connectible(const interface::Material& material) {
+  const bool has_diffuse = material.metallic < 1 && material.transmission < 1;
+  return has_diffuse || material.metallic_roughness_texture != INVALID_INDEX || material.roughness > 0 ||
+         material.transmission_texture != INVALID_INDEX;
+}
+
 uint32_t light_features(const Scene& scene, const interface::Light& light) {
   if (light.kind == interface::LIGHT_TRIANGLE) {
     const bool is_two_sided = (scene.materials[light.material].flags & interface::MATERIAL_DOUBLE_SIDED) != 0;
@@ -103,6 +110,8 @@ Features find_features(const Scene& scene) {
     if (!is_used[i]) continue;
     features.bits |= material_features(scene, scene.materials[i]);
     features.material_classes |= 1u << scene.materials[i].material_class;
+    features.has_connectible_surfaces =
+        features.has_connectible_surfaces || is_connectible(scene.materials[i]);
   }
   for (const interface::Light& light : scene.lights) features.bits |= light_features(scene, light);
   if (scene.lights.size() > 1) features.bits |= interface::FEATURE_MANY_LIGHTS;

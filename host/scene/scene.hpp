@@ -92,6 +92,8 @@ std::span<const FeatureDescription> feature_descriptions();
 struct Features {
   uint32_t bits = 0;
   uint32_t material_classes = 0;
+  bool has_connectible_surfaces =
+      false;  ///< some surface scatters other than as a perfect mirror or clear glass
 };
 Features find_features(const Scene& scene);
 

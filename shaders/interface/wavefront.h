@@ -64,31 +64,81 @@ REGULUS_CONSTANT DIMENSION_BLOCKS_PER_BOUNCE = 2u;
 REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION = 1u << 16;  // light, alias, position u, position v
 REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION_DIRECTION = DIMENSION_BLOCK_EMISSION + 1u;  // direction u, v, unused
 REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT_BSDF = DIMENSION_BLOCK_EMISSION + 2u;  // + bounce: as DIMENSION_BLOCK_BSDF
+REGULUS_CONSTANT DIMENSION_BLOCK_SPLAT = DIMENSION_BLOCK_EMISSION + 4096u;  // + edges: lens u, lens v, unused
+// Connections to the cache draw one number each: block + bounce * 256 + k / 4.
+REGULUS_CONSTANT DIMENSION_BLOCK_CACHE = 1u << 20;
 
-// State of a camera path between stages: the ray to trace next and what it carries.
+// State of a path between stages: the ray to trace next and what it carries. Camera and light paths alike.
 struct Path {
   vec3 origin;
-  float pdf;         // solid-angle pdf of `direction` (the bsdf's); 0: delta event or camera ray
+  float mis_a;       // see lib/mis.glsl: what MIS keeps of the walk, before the distance of the ray is known
   vec3 direction;    // unit
-  uint pixel;        // film index, y * width + x
+  uint pixel;        // camera path: film index, y * width + x; light path: its index in the iteration
   vec3 throughput;
-  uint sample_index;
-  float eta_scale;   // product of (eta_i / eta_t)^2 so far, undone in Russian roulette
+  uint sample_index; // of the pixel; light path: the iteration, which is the same number
+  float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
+                     // light path: 1 if it starts at an infinitely distant light, otherwise 0
   uint bounce;       // path edges before this ray
   uint medium;       // material whose absorption the ray passes through, or INVALID_INDEX
-  uint reserved;
+  float mis_b;
 };
 REGULUS_LAYOUT(Path, 64);
+
+// A vertex of a subpath as connections and merges need it: where it is, where the walk came from, what it
+// carries on arrival (the bsdf here not included), and the accumulators of MIS (lib/mis.glsl).
+struct PathVertex {
+  vec3 position;
+  uint link;          // light vertex: the one before it on its path, or INVALID_INDEX; camera vertex: medium of
+                      // the edge that arrives
+  vec3 direction;     // unit, towards the previous vertex of the walk
+  uint triangle;
+  vec3 throughput;
+  float mis_a;
+  vec2 barycentrics;
+  float mis_b;
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the walk's start to here; above them MATERIAL_CLASS_*
+};
+REGULUS_LAYOUT(PathVertex, 64);
+REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
+REGULUS_CONSTANT PATH_VERTEX_CLASS_SHIFT = 16u;
+
+// The vertices of one light path: the last one stored, from which the others follow by `link`.
+struct LightPathHead {
+  uint last;
+  uint count;
+};
+REGULUS_LAYOUT(LightPathHead, 8);
+
+// A vertex of the merge grid: light vertices in the order of their cells.
+struct GridEntry {
+  vec3 position;
+  uint vertex;
+};
+REGULUS_LAYOUT(GridEntry, 16);
 
 // A contribution that counts if its segment is unoccluded.
 struct VisibilityCandidate {
   vec3 origin;
   float t_max;
   vec3 direction;  // unit
-  uint path;       // slot whose radiance receives it
+  uint path;       // slot whose radiance receives it; with connections the pixel
   vec3 contribution;
 };
 REGULUS_LAYOUT(VisibilityCandidate, 44);
+
+// A light vertex that the lens may see.
+struct SplatCandidate {
+  VisibilityCandidate segment;  // `path` is not used
+  vec2 film;                    // pixels, see Camera
+};
+REGULUS_LAYOUT(SplatCandidate, 52);
+
+// A camera vertex and a light vertex to connect.
+struct ConnectionPair {
+  uint slot;    // of the camera path
+  uint vertex;  // light vertex
+};
+REGULUS_LAYOUT(ConnectionPair, 8);
 
 // Head of a queue: an indirect dispatch command followed by the number of items. Producers raise `groups_x`
 // with every WORKGROUP_SIZE-th item, so the queue can be dispatched without a stage in between.
@@ -107,7 +157,9 @@ REGULUS_CONSTANT ROULETTE_FIRST_BOUNCE = 2u;
 REGULUS_CONSTANT QUEUE_RAYS = 0u;        // path slots to trace
 REGULUS_CONSTANT QUEUE_VISIBILITY = 1u;  // candidates
 REGULUS_CONSTANT QUEUE_BOUNCE = 2u;      // + material class: path slots that hit it
-REGULUS_CONSTANT QUEUES_PER_BOUNCE = 5u;
+REGULUS_CONSTANT QUEUE_PAIRS = 5u;       // + the more general of the two vertices' classes: connection pairs
+REGULUS_CONSTANT QUEUE_SPLATS = 8u;      // splat candidates
+REGULUS_CONSTANT QUEUES_PER_BOUNCE = 9u;
 
 // Film: per pixel three channels of three words, a fixed-point sum in units of 2^-FILM_FRACTION_BITS.
 REGULUS_CONSTANT FILM_WORDS_PER_PIXEL = 9u;
@@ -133,6 +185,18 @@ struct Frame {
   DeviceAddress queue_heads;
   DeviceAddress film;
   DeviceAddress counters;
+  // Only with light subpaths; 0 otherwise.
+  DeviceAddress splat_film;          // as `film`, sums of technique `splat`
+  DeviceAddress splats;              // splat candidates
+  DeviceAddress light_vertices;      // of the light paths at hand
+  DeviceAddress light_heads;         // LightPathHead per light path
+  DeviceAddress light_vertex_count;  // one word; may exceed light_vertex_capacity, what does not fit is not stored
+  DeviceAddress camera_vertices;     // PathVertex per path slot
+  DeviceAddress pairs;               // one list per material class
+  DeviceAddress light_path_ends;     // connections to the cache: exclusive scan of LightPathHead.count
+  DeviceAddress grid_cells;          // first entry of each cell, and one past the last cell
+  DeviceAddress grid_ranks;          // place of each light vertex in its cell
+  DeviceAddress grid_entries;
   uint width, height;
   uint light_count;
   uint seed;
@@ -143,25 +207,54 @@ struct Frame {
   vec3 scene_center;
   float scene_radius;   // m, of the bounding sphere
   Camera camera;
+  uint light_path_count;       // per iteration: N
+  uint light_head_modulus;     // pixel p connects to light path p modulo this; 0: to the one of its own slot
+  uint light_vertex_capacity;
+  uint pair_capacity;          // connection pairs per class
+  uint cache_connections;      // light vertices each camera vertex connects to, drawn from all; 0: its own path's
+  uint grid_cell_mask;         // number of cells - 1
+  uint reserved0, reserved1;
 };
-REGULUS_LAYOUT(Frame, 256);
+REGULUS_LAYOUT(Frame, 376);
 
 // Push constants of every stage.
 struct StageArguments {
   DeviceAddress frame;
   uint bounce;
   uint wave_paths;     // paths of this wave
-  uint first_pixel;    // film index of the wave's first path
+  uint first_pixel;    // film index, or light path, of the wave's first path
   uint first_sample;   // and its sample index
+  float merge_radius;  // m, of this iteration
+  uint round;          // merge: which share of the light vertices in reach this dispatch takes; light walks: 1 if
+                       // they are repeated and their splats are on the film already; count_work: the pass
 };
-REGULUS_LAYOUT(StageArguments, 24);
+REGULUS_LAYOUT(StageArguments, 32);
+
+// Light vertices that one merge invocation looks at: an invocation may not loop longer than 65,535 times on
+// stock lavapipe.
+REGULUS_CONSTANT MERGE_ROUND_LENGTH = 32768u;
+// Words summed by one invocation of a scan.
+REGULUS_CONSTANT SCAN_FAN = 64u;
+
+// Push constants of the scan stages: offsets and counts in words.
+struct ScanArguments {
+  DeviceAddress words;
+  uint source;
+  uint count;
+  uint sums;  // INVALID_INDEX: the level is scanned by one invocation
+};
+REGULUS_LAYOUT(ScanArguments, 20);
 
 // Counters of a render: 64 bits each as (low, high) words. First things that should not happen, then the
-// items that went through each queue.
+// items that went through each queue, of camera passes and of light passes.
 REGULUS_CONSTANT COUNTER_NON_FINITE = 0u;         // samples dropped because NaN, infinite or negative
 REGULUS_CONSTANT COUNTER_TRAVERSAL_OVERRUN = 1u;  // rays whose traversal hit its step bound
-REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 2u;        // + QUEUE_*
-REGULUS_CONSTANT COUNTER_COUNT = 7u;              // COUNTER_QUEUE_ITEMS + QUEUES_PER_BOUNCE
+REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 2u;        // + pass * QUEUES_PER_BOUNCE + QUEUE_*
+REGULUS_CONSTANT COUNTER_COUNT = COUNTER_QUEUE_ITEMS + 2u * QUEUES_PER_BOUNCE;
+
+// StageArguments.round of count_work: which pass it counts.
+REGULUS_CONSTANT COUNTED_CAMERA_PASS = 0u;
+REGULUS_CONSTANT COUNTED_LIGHT_PASS = 1u;
 
 REGULUS_INTERFACE_END
 

@@ -26,6 +26,11 @@ REGULUS_BUFFER(PathBuffer, Path);
 REGULUS_BUFFER(HitBuffer, Hit);
 REGULUS_BUFFER(CandidateBuffer, VisibilityCandidate);
 REGULUS_BUFFER(QueueHeadBuffer, QueueHead);
+REGULUS_BUFFER(SplatBuffer, SplatCandidate);
+REGULUS_BUFFER(PathVertexBuffer, PathVertex);
+REGULUS_BUFFER(LightHeadBuffer, LightPathHead);
+REGULUS_BUFFER(PairBuffer, ConnectionPair);
+REGULUS_BUFFER(GridEntryBuffer, GridEntry);
 
 // Record `index` of the array of `type` (one of the buffer types above) at `address`.
 #define LOAD(type, address, index) (type(address).items[index])

@@ -62,4 +62,65 @@ void camera_ray(Camera camera, vec2 film, vec2 size, vec2 u, out vec3 origin, ou
   direction = normalize(direction);
 }
 
+// Density per pixel area of the filter of a pixel whose centre is `offset` pixels away: what sample_filter draws
+// from.
+float filter_density(vec2 offset, float radius, float sigma) {
+  if (max(abs(offset.x), abs(offset.y)) > radius) return 0.0;
+  if (spec_filter == FILTER_BOX) return radius > 0.0 ? 0.25 / square(radius) : 0.0;
+  float scale = sigma * 1.41421356;
+  float norm = sqrt(PI) * scale * erf_accurate(radius / scale);
+  return exp_accurate(-dot(offset, offset) / square(scale)) / square(norm);
+}
+
+// Area of a pixel on the plane one metre in front of a perspective camera; of an orthographic one in m^2.
+float pixel_area(Camera camera, vec2 size) { return 4.0 * length(camera.right) * length(camera.up) / (size.x * size.y); }
+
+// Solid-angle pdf of a perspective camera's rays for a film density of 1 per pixel area; of an orthographic one per
+// area perpendicular to the rays.
+float camera_ray_pdf(Camera camera, vec2 size, vec3 direction) {
+  float area = pixel_area(camera, size);
+  if (camera.kind == CAMERA_ORTHOGRAPHIC) return 1.0 / area;
+  float cos_theta = dot(direction, camera.forward);
+  return 1.0 / (area * cos_theta * cos_theta * cos_theta);
+}
+
+// A point as the lens sees it.
+struct LensSample {
+  vec3 wi;           // unit, towards the lens
+  float distance;    // m, to the lens
+  vec2 film;         // pixels
+  float pdf;         // area pdf of the point when the camera samples it, without the cosine there
+  bool is_visible;   // in front of the camera (it may still lie outside the film)
+};
+
+// Connects a point to a point of the lens chosen by u.
+LensSample sample_lens(Camera camera, vec2 size, vec3 position, vec2 u) {
+  LensSample result;
+  vec3 right = normalize(camera.right), up = normalize(camera.up);
+  vec2 half_size = vec2(length(camera.right), length(camera.up));  // m at a distance of 1 m
+  vec3 to_point = position - camera.position;
+  float depth = dot(to_point, camera.forward);
+  result.is_visible = depth > 0.0;
+  vec2 on_plane = vec2(dot(to_point, right), dot(to_point, up));
+  if (camera.kind == CAMERA_ORTHOGRAPHIC) {
+    result.wi = -camera.forward;
+    result.distance = depth;
+    result.pdf = camera_ray_pdf(camera, size, camera.forward);
+  } else {
+    vec2 lens = vec2(0.0);
+    if (camera.lens_radius > 0.0) lens = camera.lens_radius * sample_disk(u);
+    vec3 from_lens = to_point - lens.x * right - lens.y * up;
+    float squared = dot(from_lens, from_lens);
+    result.distance = sqrt(squared);
+    result.wi = -from_lens / result.distance;
+    // Where the ray from the lens point meets the plane in focus, seen from the lens' centre.
+    on_plane = (on_plane - lens) / depth;
+    if (camera.lens_radius > 0.0) on_plane += lens / camera.focus_distance;
+    result.pdf = camera_ray_pdf(camera, size, -result.wi) / squared;
+  }
+  vec2 ndc = on_plane / half_size;
+  result.film = vec2(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
+  return result;
+}
+
 #endif

@@ -37,4 +37,59 @@ void film_add(DeviceAddress film, uint pixel, vec3 radiance) {
   film_add_channel(film, base + 6u, radiance.b);
 }
 
+// A sample that is not finite, or negative, must not reach the film: it is a bug, and is counted.
+bool is_valid_sample(vec3 radiance) {
+  return !(any(isnan(radiance)) || any(isinf(radiance)) || any(lessThan(radiance, vec3(0.0))));
+}
+
+// A sum in the film's own units, kept in registers: any order of adding gives the same bits.
+struct FixedSum {
+  uvec3 r, g, b;  // words, low first
+};
+
+const FixedSum FIXED_SUM_ZERO = FixedSum(uvec3(0u), uvec3(0u), uvec3(0u));
+
+// value >= 0 in words, rounded down to the resolution.
+uvec3 fixed_point(float value) {
+  value = min(value, 1.8e16);
+  uint high = uint(value * 5.9604645e-8);  // 2^24 units of 1
+  float rest = (value - float(high) * 16777216.0) * 256.0;
+  uint middle = uint(rest);
+  return uvec3(uint((rest - float(middle)) * 4294967296.0), middle, high);
+}
+
+uvec3 fixed_add(uvec3 a, uvec3 b) {
+  uint carry_low, carry_high;
+  uint low = uaddCarry(a.x, b.x, carry_low);
+  uint middle = uaddCarry(a.y, b.y, carry_high);
+  uint carry;
+  middle = uaddCarry(middle, carry_low, carry);
+  return uvec3(low, middle, a.z + b.z + carry_high + carry);
+}
+
+void fixed_sum_add(inout FixedSum sum, vec3 radiance) {
+  sum.r = fixed_add(sum.r, fixed_point(radiance.r));
+  sum.g = fixed_add(sum.g, fixed_point(radiance.g));
+  sum.b = fixed_add(sum.b, fixed_point(radiance.b));
+}
+
+void film_add_words(DeviceAddress film, uint base, uvec3 words) {
+  uint before = ATOMIC_ADD(film, base, words.x);
+  uint carry_low = uint(before + words.x < before);
+  uint middle = words.y + carry_low;
+  uint high = words.z + uint(middle < carry_low);
+  if (middle != 0u) {
+    before = ATOMIC_ADD(film, base + 1u, middle);
+    high += uint(before + middle < before);
+  }
+  if (high != 0u) ATOMIC_ADD(film, base + 2u, high);
+}
+
+void film_add_sum(DeviceAddress film, uint pixel, FixedSum sum) {
+  uint base = pixel * FILM_WORDS_PER_PIXEL;
+  film_add_words(film, base, sum.r);
+  film_add_words(film, base + 3u, sum.g);
+  film_add_words(film, base + 6u, sum.b);
+}
+
 #endif

@@ -15,6 +15,8 @@ struct LightSample {
   float distance;
   vec3 radiance;  // incident, times the factors that make radiance / pdf an estimate of the irradiance integral
   float pdf;      // solid angle for triangles; discrete for point, spot and directional lights
+  float emission_ratio;  // area pdf of the surface point when the light emits towards it, without the cosine there,
+                         // times p_trace / p_connect of the light point (math.md 3.2)
   bool is_delta;
 };
 
@@ -32,7 +34,20 @@ float triangle_light_pdf(float selection_pdf, float area, float distance, float 
   return selection_pdf * distance * distance / (area * max(abs(cos_light), 1e-20));
 }
 
+// Solid-angle pdf with which an emissive triangle emits at |cos_light| to its normal: cosine-distributed, from both
+// faces if it is double-sided.
+float triangle_emission_pdf(Material material, float cos_light) {
+  float faces = (spec_features & FEATURE_TWO_SIDED_LIGHTS) != 0u && (material.flags & MATERIAL_DOUBLE_SIDED) != 0u ? 0.5 : 1.0;
+  return faces * INV_PI * cos_light;
+}
+
 // glTF KHR_lights_punctual: squared linear falloff between the cone cosines.
+// Share of a spot light's mass, in height 1 - cos, that lies in the falloff ring, and the whole of it.
+vec2 spot_mass(Light light) {
+  float ring = (light.cos_inner - light.cos_outer) / 3.0;
+  return vec2(ring, ring + 1.0 - light.cos_inner);
+}
+
 float spot_falloff(Light light, float cos_angle) {
   float linear = clamp((cos_angle - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-6), 0.0, 1.0);
   return linear * linear;
@@ -53,21 +68,24 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   result.wi = to_light / max(result.distance, 1e-30);
   float cos_light = -dot(point.normal, result.wi);
   bool emits = cos_light > 0.0;
+  float emission_pdf = INV_PI * abs(cos_light);
   vec3 radiance = light.intensity;
   if ((spec_features & (FEATURE_TEXTURES | FEATURE_TWO_SIDED_LIGHTS)) != 0u) {
     Material material = LOAD(MaterialBuffer, frame.materials, light.material);
     emits = emits || (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    emission_pdf = triangle_emission_pdf(material, abs(cos_light));
     radiance = emitted_radiance(frame.textures, frame.texels, radiance, material.emissive_texture, uv);
   }
   result.radiance = emits ? radiance : vec3(0.0);
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
   result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);
+  result.emission_ratio = emission_pdf / max(square(result.distance), 1e-30);
   result.is_directional = false;
   result.is_delta = false;
   return result;
 }
 
-LightSample sample_punctual_light(Light light, vec3 from) {
+LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   LightSample result;
   result.is_delta = true;
   result.pdf = light.selection_pdf;
@@ -76,6 +94,7 @@ LightSample sample_punctual_light(Light light, vec3 from) {
     result.wi = -light.direction;
     result.radiance = light.intensity;
     result.distance = 0.0;
+    result.emission_ratio = INV_PI / square(frame.scene_radius);
     result.target = from;
     return result;
   }
@@ -84,7 +103,12 @@ LightSample sample_punctual_light(Light light, vec3 from) {
   result.distance = sqrt(squared);
   result.wi = to_light / result.distance;
   result.radiance = light.intensity / squared;
-  if (light.kind == LIGHT_SPOT) result.radiance *= spot_falloff(light, -dot(light.direction, result.wi));
+  result.emission_ratio = 0.25 * INV_PI / squared;
+  if (light.kind == LIGHT_SPOT) {
+    float falloff = spot_falloff(light, -dot(light.direction, result.wi));
+    result.radiance *= falloff;
+    result.emission_ratio = 0.5 * INV_PI * falloff / (spot_mass(light).y * squared);
+  }
   result.target = light.position;
   return result;
 }
@@ -96,7 +120,7 @@ LightSample sample_light(Frame frame, vec3 from, vec4 u) {
   const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
   if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
     return sample_triangle_light(frame, light, from, u.zw);
-  return sample_punctual_light(light, from);
+  return sample_punctual_light(frame, light, from);
 }
 
 #endif

@@ -5,7 +5,6 @@
 
 #include "lib/bsdf.glsl"
 #include "lib/light.glsl"
-#include "lib/rng.glsl"
 #include "lib/stage.glsl"
 
 // A path vertex. Local frame: z is the shading normal on the side that wo is on.
@@ -26,9 +25,9 @@ vec3 to_world(ShadingPoint point, vec3 w) {
   return w.x * point.tangent + w.y * point.bitangent + w.z * point.normal;
 }
 
-ShadingPoint shading_point(Frame frame, Hit hit, vec3 wo) {
+ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo) {
   ShadingPoint point;
-  point.surface = surface_at(frame.triangles, frame.vertices, hit.triangle, vec2(hit.u, hit.v));
+  point.surface = surface_at(frame.triangles, frame.vertices, triangle, barycentrics);
   point.is_front = dot(wo, point.surface.geometric_normal) > 0.0;
   float side = point.is_front ? 1.0 : -1.0;
   point.geometric_normal = side * point.surface.geometric_normal;
@@ -65,78 +64,28 @@ vec3 transmittance(Frame frame, uint medium, float distance) {
   return exp_accurate(-absorption * distance);
 }
 
-// Technique `hit`: radiance that the surface sends back along a ray which arrived with pdf `path.pdf`, with
-// its balance-heuristic weight against `nee`.
-vec3 emission_towards(Frame frame, ShadingPoint point, Path path, float distance) {
-  if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
-  if (point.surface.light == INVALID_INDEX) return vec3(0.0);
-  if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
-  vec3 radiance = emitted_radiance(frame.textures, frame.texels, point.material.emission,
-                                   point.material.emissive_texture, point.surface.uv);
-  float weight = 1.0;
-  if ((spec_techniques & TECHNIQUE_NEE) != 0u && path.pdf > 0.0) {
-    float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
-    float cos_light = dot(path.direction, point.surface.geometric_normal);
-    float light_pdf = triangle_light_pdf(selection_pdf, point.surface.area, distance, cos_light);
-    weight = path.pdf / (path.pdf + light_pdf);
-  }
-  return weight * radiance;
+// What turns a light walk's |cos| of the shading normal into the path's own measure: |w.n_s| / |w.n_g| with w
+// towards the light (Veach 1997, section 5.3). 1 without smooth normals.
+float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shading) {
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 1.0;
+  return abs(cos_shading) / max(abs(dot(towards_light, point.geometric_normal)), 1e-7);
 }
 
-// Technique `nee`: queues a shadow segment with what it would contribute.
-void connect_to_light(Frame frame, ShadingPoint point, Path path, uint slot, vec4 u) {
-  if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
-  LightSample light = sample_light(frame, point.surface.position, u);
-  vec3 wi = to_local(point, light.wi);
-  if (!sides_agree(point, light.wi, wi)) return;
-  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE);
-  float weight = 1.0;
-  if ((spec_techniques & TECHNIQUE_HIT) != 0u && !light.is_delta) weight = light.pdf / (light.pdf + bsdf.pdf_forward);
-  vec3 contribution = path.throughput * bsdf.value * light.radiance * (abs(wi.z) * weight / light.pdf);
-  contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
-  if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+// True if the surface has a lobe that connections and merges can use.
+bool is_connectible(ShadingPoint point) {
+  if (!bsdf_has_delta() || point.bsdf.alpha.x > 0.0) return true;
+  return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
+}
 
+// The segment from a surface point to `target` (already off its own surface), as a candidate without contribution.
+VisibilityCandidate visibility_segment(ShadingPoint point, vec3 towards, vec3 target) {
   VisibilityCandidate candidate;
-  candidate.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, light.wi);
-  if (light.is_directional) {
-    candidate.direction = light.wi;
-    candidate.t_max = 3.4e38;
-  } else {
-    vec3 segment = light.target - candidate.origin;
-    float distance = length(segment);
-    candidate.direction = segment / distance;
-    candidate.t_max = distance * SEGMENT_SCALE;
-  }
-  candidate.path = slot;
-  candidate.contribution = contribution;
-  uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
-  STORE(CandidateBuffer, frame.candidates, index, candidate);
-}
-
-// Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.
-void scatter(Frame frame, ShadingPoint point, Path path, uint slot, vec4 u) {
-  BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
-  if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
-  vec3 direction = to_world(point, next.wi);
-  if (!sides_agree(point, direction, next.wi)) return;
-
-  path.throughput *= next.weight;
-  path.eta_scale *= next.eta_scale;
-  // Survival by throughput without the eta^2 of refraction, which the way out undoes (PBR 4ed, 14.2). It is
-  // left out of the MIS pdfs: weights stay exact (math.md section 9).
-  float survival = path.bounce < ROULETTE_FIRST_BOUNCE
-      ? 1.0
-      : min(1.0, max(path.throughput.r, max(path.throughput.g, path.throughput.b)) * path.eta_scale);
-  if (!(u.w < survival)) return;
-  path.throughput /= survival;
-
-  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
-  path.direction = normalize(direction);
-  path.pdf = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : next.pdf_forward;
-  path.medium = medium_towards(point, path.medium, next.wi.z);
-  path.bounce += 1u;
-  STORE(PathBuffer, frame.paths, slot, path);
-  append_ray(path.bounce, slot);
+  candidate.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, towards);
+  vec3 segment = target - candidate.origin;
+  float distance = length(segment);
+  candidate.direction = segment / distance;
+  candidate.t_max = distance * SEGMENT_SCALE;
+  return candidate;
 }
 
 #endif

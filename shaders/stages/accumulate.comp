@@ -10,7 +10,7 @@ void main() {
   uint slot = item_index();
   if (slot >= stage.wave_paths) return;
   vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, slot);
-  if (any(isnan(radiance)) || any(isinf(radiance)) || any(lessThan(radiance, vec3(0.0)))) {
+  if (!is_valid_sample(radiance)) {
     count_events(COUNTER_NON_FINITE, 1u);
     return;
   }

@@ -1,9 +1,11 @@
-// camera_bounce: a path at the surface of one material class: emission, a light connection, the next ray.
-// reads  bounce queue of spec_material_class, paths, hits
-// writes radiance, candidates, paths, ray queue of the next bounce
+// camera_bounce: a path at the surface of one material class: emission, a light connection, the pairs of vertices to
+// connect, the next ray.
+// reads  bounce queue of spec_material_class, paths, hits; light vertices
+// writes radiance, candidates, camera vertices, pairs, paths, ray queue of the next bounce
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/shading.glsl"
+#include "lib/camera_walk.glsl"
+#include "lib/pairs.glsl"
 
 void main() {
   uint i = item_index();
@@ -13,17 +15,25 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
 
-  ShadingPoint point = shading_point(frame, hit, -path.direction);
+  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction);
   path.throughput *= transmittance(frame, path.medium, hit.t);
-  vec3 emitted = path.throughput * emission_towards(frame, point, path, hit.t);
+  mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal),
+             path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
+  TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
+  vec3 emitted = path.throughput * emission_towards(frame, point, path, counts);
   if (any(greaterThan(emitted, vec3(0.0))))
     STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
-  if (path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0) return;
+  bool ends = path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0;
+  if ((spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u)
+    store_camera_vertex(frame, point, path, hit, slot, !ends && is_connectible(point));
+  if (ends) return;
+  MisVertex vertex = mis_camera_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   uint block = DIMENSION_BLOCKS_FIRST + path.bounce * DIMENSION_BLOCKS_PER_BOUNCE;
   vec4 light_u = random_block(frame.seed, path.pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
   vec4 bsdf_u = random_block(frame.seed, path.pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
-  connect_to_light(frame, point, path, slot, light_u);
-  scatter(frame, point, path, slot, bsdf_u);
+  connect_to_light(frame, point, path, vertex, counts, slot, light_u);
+  if ((spec_techniques & TECHNIQUE_CONNECT) != 0u && is_connectible(point)) append_pairs(frame, path, slot);
+  scatter(frame, point, path, vertex, counts, slot, bsdf_u);
 }

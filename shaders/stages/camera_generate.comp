@@ -19,14 +19,14 @@ void main() {
   Path path;
   camera_ray(frame.camera, centre + sample_filter(u.xy, frame.filter_radius, frame.filter_sigma),
              vec2(frame.width, frame.height), u.zw, path.origin, path.direction);
-  path.pdf = 0.0;
+  path.mis_a = 0.0;
+  path.mis_b = 0.0;
   path.pixel = pixel;
   path.throughput = vec3(1.0);
   path.sample_index = sample_index;
   path.eta_scale = 1.0;
   path.bounce = 0u;
   path.medium = INVALID_INDEX;
-  path.reserved = 0u;
   STORE(PathBuffer, frame.paths, slot, path);
   STORE(Vec3Buffer, frame.radiance, slot, vec3(0.0));
   append_ray(0u, slot);

@@ -1,7 +1,9 @@
-// trace_visibility: adds the contribution of each candidate whose segment is free to its path.
-// reads  candidates          writes  radiance
+// trace_visibility: adds the contribution of each candidate whose segment is free: to its path, or with connections,
+// of which a path has many at once, to its pixel.
+// reads  candidates          writes  radiance or film
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/film.glsl"
 #include "lib/stage.glsl"
 #include "lib/traversal.glsl"
 
@@ -12,6 +14,12 @@ void main() {
   bool occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (occluded) return;
-  vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.path);
-  STORE(Vec3Buffer, FRAME.radiance, candidate.path, radiance + candidate.contribution);
+  if ((spec_techniques & TECHNIQUE_CONNECT) == 0u) {
+    vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.path);
+    STORE(Vec3Buffer, FRAME.radiance, candidate.path, radiance + candidate.contribution);
+  } else if (is_valid_sample(candidate.contribution)) {
+    film_add(FRAME.film, candidate.path, candidate.contribution);
+  } else {
+    count_events(COUNTER_NON_FINITE, 1u);
+  }
 }

@@ -1,0 +1,164 @@
+#include "render/wavefront_buffers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+
+#include "base/error.hpp"
+#include "render/scan.hpp"
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+// Light vertices per light path that are made room for before the first count is known.
+constexpr uint64_t EXPECTED_VERTICES = 4;
+constexpr uint64_t MAX_GRID_CELLS = 1u << 24;
+
+DeviceAddress address(const gpu::Buffer& buffer) {
+  return device_address(buffer.address());
+}
+
+bool has(const RenderSettings& settings, uint32_t techniques) {
+  return (settings.techniques & techniques) != 0;
+}
+
+// Most light vertices of one path: one edge at least leads to the camera.
+uint64_t vertices_per_path(const RenderSettings& settings) {
+  return std::max(settings.max_depth, 2u) - 1;
+}
+
+// Most pairs of one camera vertex.
+uint64_t pairs_per_path(const RenderSettings& settings) {
+  if (!has(settings, TECHNIQUE_CONNECT)) return 0;
+  return settings.cache_connections != 0 ? settings.cache_connections : vertices_per_path(settings);
+}
+
+}  // namespace
+
+LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
+  LightVertexPlan plan;
+  plan.has_vertices = has(settings, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
+  plan.has_merges = has(settings, TECHNIQUE_MERGE);
+  const bool is_paired = settings.light_paths == uint64_t{settings.width} * settings.height;
+  plan.is_per_wave = !has(settings, LIGHT_SUBPATH_TECHNIQUES) ||
+                     (is_paired && !plan.has_merges &&
+                      !(has(settings, TECHNIQUE_CONNECT) && settings.cache_connections != 0));
+  return plan;
+}
+
+uint64_t bytes_per_path(const RenderSettings& settings) {
+  const LightVertexPlan plan = plan_light_vertices(settings);
+  const uint64_t pairs = pairs_per_path(settings);
+  uint64_t bytes = sizeof(Path) + sizeof(Hit) + sizeof(vec3) + 2 * sizeof(uint32_t) +
+                   MATERIAL_CLASS_COUNT * sizeof(uint32_t) + (1 + pairs) * sizeof(VisibilityCandidate) +
+                   MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
+  if (has(settings, TECHNIQUE_SPLAT)) bytes += sizeof(SplatCandidate);
+  if (plan.has_vertices) bytes += sizeof(PathVertex);
+  if (plan.has_vertices && plan.is_per_wave)
+    bytes += vertices_per_path(settings) * sizeof(PathVertex) + sizeof(LightPathHead);
+  return bytes;
+}
+
+WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const Camera& camera,
+                                   const RenderSettings& settings, uint32_t capacity)
+    : plan_(plan_light_vertices(settings)) {
+  scene.fill(frame_);
+  frame_.width = settings.width;
+  frame_.height = settings.height;
+  frame_.seed = settings.seed;
+  frame_.max_depth = settings.max_depth;
+  frame_.wave_capacity = capacity;
+  frame_.filter_radius = settings.filter_radius;
+  frame_.filter_sigma = settings.filter_sigma;
+  frame_.camera = camera;
+  frame_.light_path_count = settings.light_paths;
+  frame_.light_head_modulus = plan_.is_per_wave ? 0 : settings.light_paths;
+  frame_.pair_capacity = static_cast<uint32_t>(capacity * pairs_per_path(settings));
+  frame_.cache_connections = settings.cache_connections;
+  create_path_buffers(device, settings);
+  create_light_buffers(device, settings);
+  frame_buffer_ = gpu::upload_new(device, std::vector<Frame>{frame_}, "frame");
+}
+
+void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSettings& settings) {
+  const auto per_path = [&](uint64_t bytes, const char* name, DeviceAddress& target) {
+    gpu::Buffer buffer = device.create_buffer(frame_.wave_capacity * bytes, name);
+    target = address(buffer);
+    return buffer;
+  };
+  const uint64_t pairs = pairs_per_path(settings);
+  paths_ = per_path(sizeof(Path), "paths", frame_.paths);
+  hits_ = per_path(sizeof(Hit), "hits", frame_.hits);
+  radiance_ = per_path(sizeof(vec3), "radiance", frame_.radiance);
+  ray_queues_ = per_path(2 * sizeof(uint32_t), "ray queues", frame_.ray_queues);
+  bounce_queues_ = per_path(MATERIAL_CLASS_COUNT * sizeof(uint32_t), "bounce queues", frame_.bounce_queues);
+  candidates_ =
+      per_path((1 + pairs) * sizeof(VisibilityCandidate), "visibility candidates", frame_.candidates);
+  pairs_ = per_path(MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair), "connection pairs", frame_.pairs);
+  if (has(settings, TECHNIQUE_SPLAT)) splats_ = per_path(sizeof(SplatCandidate), "splats", frame_.splats);
+  if (plan_.has_vertices)
+    camera_vertices_ = per_path(sizeof(PathVertex), "camera vertices", frame_.camera_vertices);
+
+  // One head more than bounces: the last bounce still names the queue after it.
+  const std::vector<QueueHead> heads((uint64_t{settings.max_depth} + 1) * QUEUES_PER_BOUNCE, {0, 1, 1, 0});
+  empty_heads = gpu::upload_new(device, heads, "empty queue heads");
+  queue_heads = gpu::upload_new(device, heads, "queue heads");
+  const uint64_t film_bytes =
+      uint64_t{settings.width} * settings.height * FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
+  film = device.create_buffer(film_bytes, "film");
+  if (has(settings, TECHNIQUE_SPLAT)) splat_film = device.create_buffer(film_bytes, "splat film");
+  counters = device.create_buffer(COUNTER_COUNT * 2 * sizeof(uint32_t), "counters");
+  frame_.queue_heads = address(queue_heads);
+  frame_.film = address(film);
+  frame_.splat_film = address(splat_film);
+  frame_.counters = address(counters);
+}
+
+void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSettings& settings) {
+  light_vertex_count = device.create_buffer(2 * sizeof(uint32_t), "light vertex count");
+  frame_.light_vertex_count = address(light_vertex_count);
+  if (!plan_.has_vertices) return;
+  const uint64_t heads = plan_.is_per_wave ? frame_.wave_capacity : settings.light_paths;
+  light_heads_ = device.create_buffer(heads * sizeof(LightPathHead), "light path heads");
+  frame_.light_heads = address(light_heads_);
+  if (has(settings, TECHNIQUE_CONNECT) && settings.cache_connections != 0) {
+    light_path_ends = device.create_buffer(Scan::words_needed(heads) * sizeof(uint32_t), "light path ends");
+    frame_.light_path_ends = address(light_path_ends);
+  }
+  const uint64_t most = vertices_per_path(settings);
+  grow_light_vertices(device, heads * (plan_.is_per_wave ? most : std::min(most, EXPECTED_VERTICES)));
+}
+
+void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertices) {
+  const uint64_t bytes_each =
+      sizeof(PathVertex) + (plan_.has_merges ? sizeof(GridEntry) + sizeof(uint32_t) : 0);
+  light_vertices_ = {};
+  grid_ranks_ = {};
+  grid_entries_ = {};
+  if (vertices >= INVALID_INDEX || vertices * bytes_each > device.free_bytes())
+    throw Error(
+        ExitStatus::Failed,
+        fmt::format(
+            "{} light vertices need {} MiB of device memory, {} MiB are free; use fewer --light-paths",
+            vertices, vertices * bytes_each >> 20, device.free_bytes() >> 20));
+  frame_.light_vertex_capacity = static_cast<uint32_t>(vertices);
+  light_vertices_ = device.create_buffer(vertices * sizeof(PathVertex), "light vertices");
+  frame_.light_vertices = address(light_vertices_);
+  if (plan_.has_merges) {
+    const uint64_t cells = std::clamp<uint64_t>(std::bit_ceil(vertices), 64, MAX_GRID_CELLS);
+    frame_.grid_cell_mask = static_cast<uint32_t>(cells - 1);
+    grid_cells = device.create_buffer(Scan::words_needed(cells + 1) * sizeof(uint32_t), "grid cells");
+    grid_ranks_ = device.create_buffer(vertices * sizeof(uint32_t), "grid ranks");
+    grid_entries_ = device.create_buffer(vertices * sizeof(GridEntry), "grid entries");
+    frame_.grid_cells = address(grid_cells);
+    frame_.grid_ranks = address(grid_ranks_);
+    frame_.grid_entries = address(grid_entries_);
+  }
+  if (frame_buffer_.size() != 0) device.upload(frame_buffer_, 0, gpu::bytes_of(frame_));
+}
+
+}  // namespace regulus::render

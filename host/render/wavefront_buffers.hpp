@@ -1,0 +1,60 @@
+// Device memory of the wavefront: path slots and queues, the film, light vertices and their grid, and the
+// frame that names the address of everything.
+#pragma once
+
+#include <cstdint>
+
+#include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+#include "render/device_scene.hpp"
+#include "render/settings.hpp"
+
+namespace regulus::render {
+
+/// Where a renderer gets light vertices from: each wave has its own (`is_per_wave`), or all light paths of an
+/// iteration are walked before its camera paths.
+struct LightVertexPlan {
+  bool is_per_wave = true;
+  bool has_vertices = false;  ///< connections or merges are enabled
+  bool has_merges = false;
+};
+
+/// The plan for settings whose techniques are effective ones.
+LightVertexPlan plan_light_vertices(const RenderSettings& settings);
+
+/// Device bytes of one path slot, over all queues.
+uint64_t bytes_per_path(const RenderSettings& settings);
+
+class WavefrontBuffers {
+ public:
+  /// Allocates for `capacity` path slots. Settings as for plan_light_vertices.
+  WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const interface::Camera& camera,
+                   const RenderSettings& settings, uint32_t capacity);
+
+  /// Makes room for at least `vertices` light vertices; what was stored is lost. No submission may be in
+  /// flight.
+  void grow_light_vertices(gpu::Device& device, uint64_t vertices);
+
+  uint64_t light_vertex_capacity() const { return frame_.light_vertex_capacity; }
+  uint32_t grid_cell_count() const { return frame_.grid_cell_mask + 1; }
+  interface::DeviceAddress frame_address() const {
+    return interface::device_address(frame_buffer_.address());
+  }
+
+  gpu::Buffer queue_heads, empty_heads, film, splat_film, counters;
+  gpu::Buffer light_vertex_count;  ///< two words: vertices, size of the most crowded cell if that is crowded
+  gpu::Buffer light_path_ends, grid_cells;
+
+ private:
+  void create_path_buffers(gpu::Device& device, const RenderSettings& settings);
+  void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
+
+  LightVertexPlan plan_;
+  interface::Frame frame_ {};
+  gpu::Buffer frame_buffer_;
+  gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
+      pairs_;
+  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_;
+};
+
+}  // namespace regulus::render

@@ -1,0 +1,93 @@
+// What a camera path does at a surface: meets an emitter (technique `hit`), samples a light (`nee`), goes on.
+#ifndef REGULUS_LIB_CAMERA_WALK_GLSL
+#define REGULUS_LIB_CAMERA_WALK_GLSL
+
+#include "lib/mis.glsl"
+#include "lib/rng.glsl"
+#include "lib/shading.glsl"
+
+// Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
+// camera sees directly is found by no other technique.
+vec3 emission_towards(Frame frame, ShadingPoint point, Path path, TechniqueCounts counts) {
+  if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
+  if (point.surface.light == INVALID_INDEX) return vec3(0.0);
+  if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
+  vec3 radiance = emitted_radiance(frame.textures, frame.texels, point.material.emission,
+                                   point.material.emissive_texture, point.surface.uv);
+  if (path.bounce == 0u) return radiance;
+  float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
+  float area_pdf = selection_pdf / point.surface.area;
+  float cos_light = abs(dot(path.direction, point.surface.geometric_normal));
+  return radiance * mis_weight_hit(counts, path, area_pdf, area_pdf * triangle_emission_pdf(point.material, cos_light));
+}
+
+// Technique `nee`: queues a shadow segment with what it would contribute.
+void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot,
+                      vec4 u) {
+  if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
+  LightSample light = sample_light(frame, point.surface.position, u);
+  vec3 wi = to_local(point, light.wi);
+  if (!sides_agree(point, light.wi, wi)) return;
+  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE);
+  float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
+  float hit_ratio = light.is_delta ? 0.0 : bsdf.pdf_forward / light.pdf;
+  float weight = mis_weight_nee(counts, vertex, hit_ratio, emission_pdf, bsdf.pdf_reverse);
+  vec3 contribution = path.throughput * bsdf.value * light.radiance * (abs(wi.z) * weight / light.pdf);
+  contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
+  if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+
+  VisibilityCandidate candidate = visibility_segment(point, light.wi, light.target);
+  if (light.is_directional) {
+    candidate.direction = light.wi;
+    candidate.t_max = 3.4e38;
+  }
+  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? path.pixel : slot;
+  candidate.contribution = contribution;
+  uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
+  STORE(CandidateBuffer, frame.candidates, index, candidate);
+}
+
+// Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.
+void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot, vec4 u) {
+  BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
+  if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
+  vec3 direction = to_world(point, next.wi);
+  if (!sides_agree(point, direction, next.wi)) return;
+
+  path.throughput *= next.weight;
+  path.eta_scale *= next.eta_scale;
+  // Survival by throughput without the eta^2 of refraction, which the way out undoes (PBR 4ed, 14.2). It is
+  // left out of the MIS pdfs: weights stay exact (math.md section 9).
+  float survival = path.bounce < ROULETTE_FIRST_BOUNCE
+      ? 1.0
+      : min(1.0, max(path.throughput.r, max(path.throughput.g, path.throughput.b)) * path.eta_scale);
+  if (!(u.w < survival)) return;
+  path.throughput /= survival;
+
+  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
+  path.direction = normalize(direction);
+  bool is_delta = (next.flags & BSDF_SAMPLE_DELTA) != 0u;
+  mis_scatter(counts, vertex, is_delta ? 0.0 : 1.0 / next.pdf_forward, next.pdf_reverse / next.pdf_forward,
+              dot(direction, point.geometric_normal), path);
+  path.medium = medium_towards(point, path.medium, next.wi.z);
+  path.bounce += 1u;
+  STORE(PathBuffer, frame.paths, slot, path);
+  append_ray(path.bounce, slot);
+}
+
+// Keeps the vertex for the connections and merges of this bounce; without edges if there are none.
+void store_camera_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, uint slot, bool is_usable) {
+  PathVertex vertex;
+  vertex.position = point.surface.position;
+  vertex.link = path.medium;
+  vertex.direction = -path.direction;
+  vertex.triangle = hit.triangle;
+  vertex.throughput = path.throughput;
+  vertex.mis_a = path.mis_a;
+  vertex.barycentrics = vec2(hit.u, hit.v);
+  vertex.mis_b = path.mis_b;
+  vertex.edges = is_usable ? path.bounce + 1u : 0u;
+  STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
+}
+
+#endif

@@ -1,0 +1,93 @@
+// What a light path does at a surface: leaves a vertex for connections and merges, is seen by the lens (technique
+// `splat`), goes on.
+#ifndef REGULUS_LIB_LIGHT_WALK_GLSL
+#define REGULUS_LIB_LIGHT_WALK_GLSL
+
+#include "lib/camera.glsl"
+#include "lib/mis.glsl"
+#include "lib/rng.glsl"
+#include "lib/shading.glsl"
+
+bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u; }
+
+// Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
+// host then makes room and walks again.
+void store_light_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, uint head) {
+  uint index = ATOMIC_ADD(frame.light_vertex_count, 0u, 1u);
+  if (index >= frame.light_vertex_capacity) return;
+  LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
+  PathVertex vertex;
+  vertex.position = point.surface.position;
+  vertex.link = list.last;
+  vertex.direction = -path.direction;
+  vertex.triangle = hit.triangle;
+  vertex.throughput = path.throughput;
+  vertex.mis_a = path.mis_a;
+  vertex.barycentrics = vec2(hit.u, hit.v);
+  vertex.mis_b = path.mis_b;
+  vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT;
+  STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
+  STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
+}
+
+void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film) {
+  uint index = queue_reserve(queue_head(QUEUE_SPLATS));
+  STORE(SplatBuffer, frame.splats, index, SplatCandidate(segment, film));
+}
+
+vec2 film_size(Frame frame) { return vec2(frame.width, frame.height); }
+
+// A film point that the filter of no pixel reaches.
+bool is_off_film(Frame frame, vec2 film) {
+  vec2 outside = abs(film - 0.5 * film_size(frame)) - 0.5 * film_size(frame) + 0.5;
+  return !(max(outside.x, outside.y) <= frame.filter_radius);
+}
+
+// Technique `splat`: queues the segment to the lens with what it would contribute.
+void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts) {
+  if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
+  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
+  LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
+  vec3 wi = to_local(point, lens.wi);
+  if (!lens.is_visible || is_off_film(frame, lens.film) || !sides_agree(point, lens.wi, wi)) return;
+  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE);
+  float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
+  float weight = mis_weight_splat(counts, vertex, bsdf.pdf_reverse, area_pdf);
+  float correction = shading_correction(point, -path.direction, point.wo.z);
+  vec3 contribution = path.throughput * bsdf.value * (correction * area_pdf * weight / float(frame.light_path_count));
+  contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), lens.distance);
+  if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+  VisibilityCandidate segment =
+      visibility_segment(point, lens.wi, point.surface.position + lens.distance * lens.wi);
+  segment.path = 0u;
+  segment.contribution = contribution;
+  queue_splat(frame, segment, lens.film);
+}
+
+// Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.
+void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot) {
+  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
+  BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
+  if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
+  vec3 direction = to_world(point, next.wi);
+  if (!sides_agree(point, direction, next.wi)) return;
+  float cos_out = dot(direction, point.geometric_normal);
+  float correction = shading_correction(point, -path.direction, point.wo.z);
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) != 0u) correction *= abs(cos_out) / max(abs(next.wi.z), 1e-7);
+  vec3 factor = next.weight * correction;
+  float survival =
+      path.bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : min(1.0, max(factor.r, max(factor.g, factor.b)));
+  if (!(u.w < survival)) return;
+  path.throughput *= factor / survival;
+
+  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
+  path.direction = normalize(direction);
+  bool is_delta = (next.flags & BSDF_SAMPLE_DELTA) != 0u;
+  mis_scatter(counts, vertex, is_delta ? 0.0 : 1.0 / next.pdf_forward, next.pdf_reverse / next.pdf_forward, cos_out, path);
+  path.medium = medium_towards(point, path.medium, next.wi.z);
+  path.bounce += 1u;
+  STORE(PathBuffer, frame.paths, slot, path);
+  append_ray(path.bounce, slot);
+}
+
+#endif

@@ -1,0 +1,29 @@
+// light_bounce: a light path at the surface of one material class: a stored vertex, a splat, the next ray.
+// reads  bounce queue of spec_material_class, paths, hits
+// writes light vertices and heads, splat candidates, paths, ray queue of the next bounce
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/light_walk.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
+  Frame frame = FRAME;
+  uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
+  Path path = LOAD(PathBuffer, frame.paths, slot);
+  Hit hit = LOAD(HitBuffer, frame.hits, slot);
+  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction);
+  if (point.wo.z <= 0.0) return;
+  path.throughput *= transmittance(frame, path.medium, hit.t);
+  mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal), path.bounce == 0u && path.eta_scale > 0.0);
+
+  TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
+  MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
+  if (is_connectible(point)) {
+    uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
+    if (stores_light_vertices()) store_light_vertex(frame, point, path, hit, head);
+    connect_to_lens(frame, point, path, vertex, counts);
+  }
+  // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.
+  if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, counts, slot);
+}

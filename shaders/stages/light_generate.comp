@@ -1,0 +1,57 @@
+// light_generate: starts the light paths of a wave.
+// reads  lights          writes  paths, light heads (emptied), ray queue of bounce 0; splat candidates of emitters
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/emission.glsl"
+#include "lib/light_walk.glsl"
+
+// Without `hit` an emitter that the camera sees directly is found by connecting it to the lens.
+void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, uint iteration) {
+  if ((spec_techniques & (TECHNIQUE_SPLAT | TECHNIQUE_HIT)) != TECHNIQUE_SPLAT || stage.round != 0u) return;
+  if (!(emission.area_pdf > 0.0)) return;
+  vec4 u = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
+  LensSample lens = sample_lens(frame.camera, film_size(frame), emission.point.position, u.zw);
+  float cos_light = dot(lens.wi, emission.point.normal);
+  if (!lens.is_visible || is_off_film(frame, lens.film) || !(cos_light > 0.0 || emission.is_two_sided)) return;
+  VisibilityCandidate segment;
+  segment.origin = offset_origin(emission.point.position, emission.point.clearance, emission.point.normal, lens.wi);
+  segment.direction = lens.wi;
+  segment.t_max = lens.distance * SEGMENT_SCALE;
+  segment.path = 0u;
+  segment.contribution =
+      emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
+  queue_splat(frame, segment, lens.film);
+}
+
+void main() {
+  uint slot = item_index();
+  if (slot >= stage.wave_paths) return;
+  Frame frame = FRAME;
+  uint pixels = frame.width * frame.height;
+  // Waves of paired light paths run over (pixel, sample) like those of camera paths.
+  uint period = frame.light_head_modulus == 0u ? pixels : frame.light_path_count;
+  uint index = stage.first_pixel + slot;
+  uint light_path = index % period, iteration = stage.first_sample + index / period;
+  uint head = frame.light_head_modulus == 0u ? slot : light_path;
+  if (stores_light_vertices()) STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(INVALID_INDEX, 0u));
+
+  vec4 u_light = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION);
+  vec4 u_direction = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
+  Emission emission = sample_emission(frame, u_light, u_direction.xy);
+  connect_emitter_to_lens(frame, emission, light_path, iteration);
+
+  Path path;
+  path.origin = emission.origin;
+  path.direction = emission.direction;
+  path.mis_a = emission.inverse_pdf;
+  path.mis_b = (spec_techniques & TECHNIQUE_HIT) != 0u ? emission.hit_term : 0.0;
+  path.pixel = light_path;
+  path.sample_index = iteration;
+  path.throughput = emission.throughput;
+  path.eta_scale = emission.is_parallel ? 1.0 : 0.0;
+  path.bounce = 0u;
+  path.medium = INVALID_INDEX;
+  if (!(max(path.throughput.r, max(path.throughput.g, path.throughput.b)) > 0.0)) return;
+  STORE(PathBuffer, frame.paths, slot, path);
+  append_ray(0u, slot);
+}

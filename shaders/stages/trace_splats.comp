@@ -1,0 +1,32 @@
+// trace_splats: adds what each light vertex that the lens sees contributes to the pixels whose filter reaches it.
+// reads  splat candidates          writes  splat film
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/camera.glsl"
+#include "lib/film.glsl"
+#include "lib/stage.glsl"
+#include "lib/traversal.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= queue_count(QUEUE_SPLATS)) return;
+  Frame frame = FRAME;
+  SplatCandidate splat = LOAD(SplatBuffer, frame.splats, i);
+  bool occluded =
+      trace_any(frame.bvh_nodes, frame.bvh_triangles, splat.segment.origin, splat.segment.direction, splat.segment.t_max);
+  if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
+  if (occluded) return;
+  if (!is_valid_sample(splat.segment.contribution)) {
+    count_events(COUNTER_NON_FINITE, 1u);
+    return;
+  }
+  ivec2 size = ivec2(frame.width, frame.height);
+  ivec2 first = max(ivec2(ceil(splat.film - frame.filter_radius - 0.5)), ivec2(0));
+  ivec2 last = min(ivec2(floor(splat.film + frame.filter_radius - 0.5)), size - 1);
+  for (int y = first.y; y <= last.y; ++y)
+    for (int x = first.x; x <= last.x; ++x) {
+      vec2 offset = vec2(x, y) + 0.5 - splat.film;
+      float density = filter_density(offset, frame.filter_radius, frame.filter_sigma);
+      if (density > 0.0) film_add(frame.splat_film, uint(y * size.x + x), density * splat.segment.contribution);
+    }
+}
