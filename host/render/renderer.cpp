@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <utility>
 
 #include "render/device_scene.hpp"
 #include "render/scan.hpp"
@@ -215,6 +216,7 @@ struct Renderer::Impl {
 
   // All light paths of an iteration, then one sample of every pixel.
   void render_by_iterations() {
+    if (buffers.light_path_ends.size() != 0) expect_light_vertices();
     for (uint64_t sample = 0; is_running && sample < settings.samples; ++sample) {
       walk_light_paths(sample, false);
       if (!is_running) break;
@@ -229,6 +231,15 @@ struct Renderer::Impl {
         finished += pixels;
       }
     }
+  }
+
+  // How many light vertices an iteration has, as the very first one counts them: the same for every range of
+  // samples.
+  void expect_light_vertices() {
+    const uint32_t first_sample = std::exchange(settings.first_sample, 0);
+    walk_light_paths(0, true);
+    settings.first_sample = first_sample;
+    buffers.expect_light_vertices(device, read_light_word(0));
   }
 
   void walk_light_paths(uint64_t sample, bool is_repeated) {

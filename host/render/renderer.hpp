@@ -48,24 +48,6 @@ struct RenderStatistics {
     const bool is_per_path = step.extent == Extent::WaveStart || step.extent == Extent::WaveEnd;
     return !is_per_path ? 0 : is_light ? light_paths : paths;
   }
-};                                ///< by QUEUE_*, over all bounces
-uint64_t non_finite = 0;          ///< samples dropped because NaN, infinite or negative: bugs
-uint64_t traversal_overruns = 0;  ///< rays whose traversal hit its step bound: bugs
-uint32_t wave_capacity = 0;       ///< path slots
-uint64_t bytes_per_path = 0;      ///< device memory per path in flight
-double render_seconds = 0;        ///< wall time in render()
-double device_seconds = 0;        ///< sum over stages
-
-uint64_t closest_rays() const {
-  return queue_items[interface::QUEUE_RAYS];
-}
-uint64_t visibility_rays() const {
-  return queue_items[interface::QUEUE_VISIBILITY];
-}
-/// Items the stage of a step has worked on.
-uint64_t items(const StageStep& step) const {
-  return step.extent == Extent::Bounce ? queue_items[step.queue] : step.extent == Extent::Once ? 0 : paths;
-}
 };
 
 /// Called between waves with the paths finished and the paths asked for; return false to stop.

@@ -161,4 +161,11 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
   if (frame_buffer_.size() != 0) device.upload(frame_buffer_, 0, gpu::bytes_of(frame_));
 }
 
+void WavefrontBuffers::expect_light_vertices(gpu::Device& device, uint64_t vertices) {
+  frame_.cache_connect_count =
+      static_cast<float>(static_cast<double>(frame_.cache_connections) * frame_.light_path_count /
+                         std::max<double>(1, static_cast<double>(vertices)));
+  device.upload(frame_buffer_, 0, gpu::bytes_of(frame_));
+}
+
 }  // namespace regulus::render

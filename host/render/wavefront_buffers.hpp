@@ -35,6 +35,9 @@ class WavefrontBuffers {
   /// flight.
   void grow_light_vertices(gpu::Device& device, uint64_t vertices);
 
+  /// Sets the number of light vertices that connections to the cache expect. No submission may be in flight.
+  void expect_light_vertices(gpu::Device& device, uint64_t vertices);
+
   uint64_t light_vertex_capacity() const { return frame_.light_vertex_capacity; }
   uint32_t grid_cell_count() const { return frame_.grid_cell_mask + 1; }
   interface::DeviceAddress frame_address() const {

@@ -213,7 +213,9 @@ struct Frame {
   uint pair_capacity;          // connection pairs per class
   uint cache_connections;      // light vertices each camera vertex connects to, drawn from all; 0: its own path's
   uint grid_cell_mask;         // number of cells - 1
-  uint reserved0, reserved1;
+  float cache_connect_count;   // of a cache whose size is the expected one: M N / vertices. Walks need it in their MIS
+                               // accumulators before the vertices are counted
+  uint reserved;
 };
 REGULUS_LAYOUT(Frame, 376);
 

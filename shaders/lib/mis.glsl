@@ -22,7 +22,7 @@ struct TechniqueCounts {
   float hit;      // 1
   float nee;      // 1
   float splat;    // light paths per iteration
-  float connect;  // 1; to the cache M N / (vertices in it)
+  float connect;  // 1; to the cache M N / (expected vertices in it): any constant keeps the weights exact
   float merge;    // eta = N pi r^2
 };
 
@@ -34,13 +34,8 @@ TechniqueCounts technique_counts(Frame frame, float merge_radius) {
   counts.splat = (spec_techniques & TECHNIQUE_SPLAT) != 0u ? light_paths : 0.0;
   counts.merge = (spec_techniques & TECHNIQUE_MERGE) != 0u ? light_paths * PI * square(merge_radius) : 0.0;
   counts.connect = 0.0;
-  if ((spec_techniques & TECHNIQUE_CONNECT) != 0u) {
-    counts.connect = 1.0;
-    if (frame.cache_connections != 0u) {
-      uint cached = LOAD(WordBuffer, frame.light_vertex_count, 0u);
-      counts.connect = float(frame.cache_connections) * light_paths / float(max(cached, 1u));
-    }
-  }
+  if ((spec_techniques & TECHNIQUE_CONNECT) != 0u)
+    counts.connect = frame.cache_connections != 0u ? frame.cache_connect_count : 1.0;
   return counts;
 }
 

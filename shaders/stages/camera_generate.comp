@@ -20,6 +20,8 @@ void main() {
   camera_ray(frame.camera, centre + sample_filter(u.xy, frame.filter_radius, frame.filter_sigma),
              vec2(frame.width, frame.height), u.zw, path.origin, path.direction);
   path.mis_a = 0.0;
+  if ((spec_techniques & TECHNIQUE_SPLAT) != 0u)
+    path.mis_a = 1.0 / camera_ray_pdf(frame.camera, vec2(frame.width, frame.height), path.direction);
   path.mis_b = 0.0;
   path.pixel = pixel;
   path.throughput = vec3(1.0);

@@ -6,6 +6,13 @@
 #include "lib/mis.glsl"
 #include "lib/shading.glsl"
 
+// Over how many connections the estimate of one camera vertex is divided.
+float connection_count(Frame frame) {
+  if (frame.cache_connections == 0u) return 1.0;
+  float cached = float(LOAD(WordBuffer, frame.light_vertex_count, 0u));
+  return float(frame.cache_connections) * float(frame.light_path_count) / cached;
+}
+
 void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_PAIRS + spec_material_class)) return;
@@ -35,7 +42,7 @@ void main() {
                                     camera_mis, camera_bsdf.pdf_reverse, light_bsdf.pdf_forward * camera_cos);
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
   vec3 contribution = camera.throughput * camera_bsdf.value * light_bsdf.value * light.throughput *
-                      (abs(camera_wi.z) * light_cos * correction * weight / counts.connect);
+                      (abs(camera_wi.z) * light_cos * correction * weight / connection_count(frame));
   contribution *= transmittance(frame, medium_towards(camera_point, camera.link, camera_wi.z), distance);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 

@@ -4,6 +4,7 @@
 
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
+#include "images/support/room.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -13,31 +14,6 @@ using render::RenderSettings;
 
 constexpr int BATCHES = 17;
 constexpr uint32_t SIZE = 16;
-
-// A closed room [-1, 1]^3 with two boxes on its floor, seen from its front wall with the view turned down.
-GltfScene room(const nlohmann::json& floor, const nlohmann::json& tall, const nlohmann::json& low) {
-  GltfScene scene;
-  const Polygons walls = turned(box({-1, -1, -1}, {1, 1, 1}));
-  const nlohmann::json white = lambert({0.7, 0.7, 0.7});
-  scene.add({walls[0]}, white);                     // back, z = -1
-  scene.add({walls[1]}, white);                     // front
-  scene.add({walls[2]}, floor);                     // y = -1
-  scene.add({walls[3]}, white);                     // ceiling
-  scene.add({walls[4]}, lambert({0.6, 0.1, 0.1}));  // left
-  scene.add({walls[5]}, lambert({0.1, 0.5, 0.1}));  // right
-  const double c = std::cos(0.3), s = std::sin(0.3);
-  const glm::dmat4 turn = {{c, 0, -s, 0}, {0, 1, 0, 0}, {s, 0, c, 0}, {0, 0, 0, 1}};
-  scene.add(box({-0.7, -1, -0.6}, {-0.2, -0.2, -0.1}), tall, turn);
-  scene.add(box({0.2, -1, -0.2}, {0.6, -0.6, 0.2}), low, turn);
-  scene.set_perspective(look_at({0, -0.2, 0.95}, {0, -1, -0.6}), 0.85);
-  return scene;
-}
-
-const nlohmann::json WHITE = lambert({0.7, 0.7, 0.7});
-
-Polygon ceiling_light() {
-  return quad({-0.6, 0.9, -0.6}, {1.2, 0, 0}, {0, 0, 1.2});
-}  // faces down
 
 void expect_techniques_agree(const char* name, const GltfScene& scene, uint32_t stream) {
   const PreparedScene prepared = prepare(scene);

@@ -18,7 +18,7 @@ Names needed(uint32_t material_classes, uint32_t techniques) {
   RenderSettings settings;
   settings.techniques = techniques;
   Names names;
-  for (const StageStep& step : PATH_TRACING_PASS)
+  for (const StageStep& step : STAGES)
     if (is_needed(step, features, settings)) names.insert(step.name);
   return names;
 }

@@ -1,0 +1,150 @@
+// Every set of techniques estimates the same image. The sets are compared with path tracing, which shares
+// with them the walks and the bsdfs but neither light subpaths, splats, connections, merges nor their
+// weights.
+#include <gtest/gtest.h>
+
+#include "images/support/comparison.hpp"
+#include "images/support/render_scene.hpp"
+#include "images/support/room.hpp"
+#include "support/device.hpp"
+
+namespace regulus::test {
+namespace {
+
+using namespace interface;
+using render::RenderSettings;
+
+constexpr int BATCHES = 13;
+constexpr uint32_t SIZE = 16;
+
+constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
+constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+
+struct NamedSet {
+  const char* name;
+  uint32_t techniques;
+};
+
+// Connections to drawn vertices and merges of an iteration that has more light paths than the film has
+// pixels.
+RenderSettings settings_of(uint32_t techniques, uint32_t cache_connections) {
+  RenderSettings settings = box_filtered(SIZE, SIZE, is_slow_device() ? 4 : 32, 5);
+  settings.techniques = techniques;
+  settings.cache_connections = cache_connections;
+  if ((techniques & TECHNIQUE_MERGE) != 0) {
+    settings.light_paths = 2048;
+    settings.merge_radius = 0.02f;
+    settings.merge_reduction = 0;
+  }
+  return settings;
+}
+
+class LightSubpaths : public testing::Test {
+ protected:
+  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+
+  void expect_sets_agree(const char* name, const GltfScene& scene, const std::vector<NamedSet>& sets,
+                         uint32_t reference = PT) {
+    const PreparedScene prepared = prepare(scene);
+    const auto known = render_batches(prepared, settings_of(reference, 0), BATCHES, 100);
+    std::printf("%s: mean %.4f\n", name, mean_of(known[0])[0]);
+    EXPECT_GT(mean_of(known[0])[0], 0);
+    uint32_t stream = 101;
+    for (const NamedSet& set : sets) {
+      const bool is_cached = std::string(set.name).find("cache") != std::string::npos;
+      const auto batches =
+          render_batches(prepared, settings_of(set.techniques, is_cached ? 3 : 0), BATCHES, stream++);
+      ComparisonOptions options;
+      // A merge averages over its disk, which matters near edges and corners.
+      if ((set.techniques & TECHNIQUE_MERGE) != 0) options.relative_tolerance = 3e-3;
+      expect_equal((std::string(name) + ", " + set.name).c_str(), batches, known, options);
+    }
+  }
+};
+
+// Each finds all light: where there are delta lights one technique at least must sample them.
+const std::vector<NamedSet> COMPLETE_SETS = {
+    {"bpt", BPT}, {"bpt, cache", BPT}, {"vcm", VCM}, {"bpm", PT | TECHNIQUE_MERGE}};
+
+std::vector<NamedSet> with(std::vector<NamedSet> sets, std::initializer_list<NamedSet> more) {
+  sets.insert(sets.end(), more);
+  return sets;
+}
+
+TEST_F(LightSubpaths, AgreeOnDiffuseSurfaces) {
+  GltfScene scene = room(WHITE, WHITE, WHITE);
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  expect_sets_agree("diffuse room", scene,
+                    with(COMPLETE_SETS, {{"lt", TECHNIQUE_SPLAT}, {"vcm, cache", VCM}}));
+}
+
+TEST_F(LightSubpaths, AgreeOnGlossySurfaces) {
+  GltfScene scene =
+      room(plastic({0.4, 0.4, 0.6}, 0.5), metal({0.9, 0.7, 0.4}, 0.5), plastic({0.2, 0.5, 0.3}, 0.7));
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  expect_sets_agree("glossy room", scene,
+                    with(COMPLETE_SETS, {{"hit, connect", TECHNIQUE_HIT | TECHNIQUE_CONNECT},
+                                         {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT}}));
+}
+
+// Rough and clear glass that absorbs: the eta^2 of light walks, the medium of edges, delta events in the
+// weights.
+TEST_F(LightSubpaths, AgreeOnGlass) {
+  GltfScene scene = room(WHITE, glass(1.5, 0.5, {0.9, 0.6, 0.5}), glass(1.4, 0, {0.3, 0.8, 0.9}));
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  expect_sets_agree(
+      "glass", scene,
+      with(COMPLETE_SETS, {{"hit, splat, merge", TECHNIQUE_HIT | TECHNIQUE_SPLAT | TECHNIQUE_MERGE}}));
+}
+
+TEST_F(LightSubpaths, AgreeOnDoubleSidedLights) {
+  GltfScene scene = room(WHITE, metal({0.9, 0.7, 0.4}, 0.5), WHITE);
+  scene.add({quad({-0.4, 0.35, -0.4}, {0.8, 0, 0}, {0, 0, 0.8})}, emitter({1, 1, 1}, true));
+  scene.add({quad({-0.6, 0.3, 0.999}, {0, 0.5, 0}, {1.2, 0, 0})}, emitter({0.5, 1, 2}));  // on the front wall
+  expect_sets_agree("double-sided light", scene, COMPLETE_SETS);
+}
+
+// Lights that cannot be hit, of every kind, together with one that can.
+TEST_F(LightSubpaths, AgreeOnPunctualLights) {
+  GltfScene scene = room(plastic({0.5, 0.4, 0.6}, 0.6), WHITE, glass(1.5, 0.6));
+  scene.add({ceiling_light()}, emitter({0.5, 0.4, 0.3}));
+  scene.add_point_light({0.3, 0.4, 0.2}, {0.2, 0.3, 0.4});
+  scene.add_spot_light({-0.5, 0.6, 0.4}, {0.3, -1, -0.4}, 0.8, 0.2, 0.7);
+  expect_sets_agree("punctual lights", scene, COMPLETE_SETS);
+}
+
+// A floor with boxes under a distant light.
+TEST_F(LightSubpaths, AgreeOnDirectionalLights) {
+  GltfScene scene;
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, WHITE);
+  scene.add(box({-0.6, 0, -0.4}, {-0.1, 0.7, 0.1}), plastic({0.3, 0.6, 0.4}, 0.5));
+  scene.add(sphere({0.45, 0.35, 0.1}, 0.3, 12), metal({0.9, 0.8, 0.6}, 0.6));
+  scene.add_directional_light({-0.4, -1, -0.3}, 2);
+  scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.7);
+  expect_sets_agree("directional light", scene, COMPLETE_SETS, TECHNIQUE_NEE);
+}
+
+// The film's border and a camera without perspective: splats through the wide filter reach pixels from film
+// points outside the film, and the density of film points is that of parallel rays.
+TEST_F(LightSubpaths, SplatsPassThroughTheSameFilterOnAnOrthographicFilm) {
+  GltfScene scene = room(WHITE, WHITE, plastic({0.2, 0.5, 0.3}, 0.5));
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  scene.set_orthographic(look_at({0, -0.1, 0.95}, {0, -0.6, -0.6}), 0.5, 0.4);
+  const PreparedScene prepared = prepare(scene);
+  RenderSettings settings = settings_of(PT, 0);
+  settings.filter = FILTER_GAUSSIAN;
+  settings.filter_radius = 1.5f;
+  const auto known = render_batches(prepared, settings, BATCHES, 200);
+  settings.techniques = TECHNIQUE_SPLAT;
+  const auto splats = render_batches(prepared, settings, BATCHES, 201);
+  settings.techniques = BPT;
+  const auto all = render_batches(prepared, settings, BATCHES, 202);
+  ComparisonOptions options;
+  options.tile = 2;
+  expect_equal("orthographic, lt", splats, known, options);
+  expect_equal("orthographic, bpt", all, known, options);
+}
+
+}  // namespace
+}  // namespace regulus::test
