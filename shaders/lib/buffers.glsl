@@ -13,7 +13,7 @@
   layout(buffer_reference, scalar, buffer_reference_align = 4) buffer name { type items[]; }
 
 REGULUS_BUFFER(WordBuffer, uint);
-REGULUS_BUFFER(WordPairBuffer, uvec2);
+REGULUS_BUFFER(WordConnectionPairBuffer, uvec2);
 REGULUS_BUFFER(Vec3Buffer, vec3);
 REGULUS_BUFFER(FrameBuffer, Frame);
 REGULUS_BUFFER(VertexBuffer, Vertex);
@@ -29,7 +29,7 @@ REGULUS_BUFFER(QueueHeadBuffer, QueueHead);
 REGULUS_BUFFER(SplatBuffer, SplatCandidate);
 REGULUS_BUFFER(PathVertexBuffer, PathVertex);
 REGULUS_BUFFER(LightHeadBuffer, LightPathHead);
-REGULUS_BUFFER(PairBuffer, ConnectionPair);
+REGULUS_BUFFER(ConnectionPairBuffer, ConnectionPair);
 REGULUS_BUFFER(GridEntryBuffer, GridEntry);
 
 // Record `index` of the array of `type` (one of the buffer types above) at `address`.

@@ -8,7 +8,7 @@
 void append_pair(Frame frame, uint slot, uint index, uint edges_and_class) {
   uint material_class = max(spec_material_class, edges_and_class >> PATH_VERTEX_CLASS_SHIFT);
   uint place = queue_reserve(queue_head(QUEUE_PAIRS + material_class));
-  STORE(PairBuffer, frame.pairs, material_class * frame.pair_capacity + place, ConnectionPair(slot, index));
+  STORE(ConnectionPairBuffer, frame.pairs, material_class * frame.pair_capacity + place, ConnectionPair(slot, index));
 }
 
 // The vertices of the path's own light path.

@@ -17,7 +17,7 @@ void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_PAIRS + spec_material_class)) return;
   Frame frame = FRAME;
-  ConnectionPair pair = LOAD(PairBuffer, frame.pairs, spec_material_class * frame.pair_capacity + i);
+  ConnectionPair pair = LOAD(ConnectionPairBuffer, frame.pairs, spec_material_class * frame.pair_capacity + i);
   PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, pair.slot);
   PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, pair.vertex);
 
