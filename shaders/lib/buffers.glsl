@@ -13,7 +13,7 @@
   layout(buffer_reference, scalar, buffer_reference_align = 4) buffer name { type items[]; }
 
 REGULUS_BUFFER(WordBuffer, uint);
-REGULUS_BUFFER(WordConnectionPairBuffer, uvec2);
+REGULUS_BUFFER(WordPairBuffer, uvec2);
 REGULUS_BUFFER(Vec3Buffer, vec3);
 REGULUS_BUFFER(FrameBuffer, Frame);
 REGULUS_BUFFER(VertexBuffer, Vertex);
