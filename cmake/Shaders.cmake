@@ -17,10 +17,10 @@ function(regulus_shaders target)
       add_custom_command(
         OUTPUT ${header}
         COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_CURRENT_BINARY_DIR}/${target}
-        COMMAND ${Vulkan_GLSLANG_VALIDATOR_EXECUTABLE} --quiet --target-env vulkan1.2 -S comp
+        COMMAND ${CMAKE_SOURCE_DIR}/cmake/limited ${Vulkan_GLSLANG_VALIDATOR_EXECUTABLE} --quiet --target-env vulkan1.2 -S comp
                 -I${CMAKE_SOURCE_DIR}/shaders -DREGULUS_INT64=${int64}
                 --depfile ${header}.d --vn ${symbol} -o ${header} ${path}
-        DEPENDS ${path}
+        DEPENDS ${path} ${CMAKE_SOURCE_DIR}/cmake/limited
         DEPFILE ${header}.d
         COMMENT "glslang ${name} (int64=${int64})"
         VERBATIM)

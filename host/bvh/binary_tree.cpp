@@ -70,27 +70,38 @@ std::vector<RTCBuildPrimitive> build_primitives(std::span<const Box> boxes) {
   return primitives;
 }
 
+/// Where a node hangs: its parent's index and which child it is.
+struct Place {
+  uint32_t parent = 0, side = 0;
+};
+
+/// Appends a node that begins at primitive `first` of the order, and hangs it there; the first node of a tree
+/// is the root and hangs nowhere. @returns its index.
+uint32_t append_node(BinaryTree& tree, Place place, uint32_t first) {
+  const auto index = static_cast<uint32_t>(tree.nodes.size());
+  if (index > 0) tree.nodes[place.parent].children[place.side] = index;
+  tree.nodes.emplace_back().first = first;
+  return index;
+}
+
 /// Copies Embree's tree into arrays, depth first; boxes and ranges of inner nodes are left open.
 BinaryTree flatten(const BuildNode* root) {
   struct Visit {
     const BuildNode* node;
-    uint32_t parent, side;
+    Place place;
   };
   BinaryTree tree;
-  std::vector<Visit> stack{{root, 0, 0}};
+  std::vector<Visit> stack{{root, {}}};
   while (!stack.empty()) {
     const Visit visit = stack.back();
     stack.pop_back();
-    const auto index = static_cast<uint32_t>(tree.nodes.size());
-    if (index > 0) tree.nodes[visit.parent].children[visit.side] = index;
-    BinaryNode& node = tree.nodes.emplace_back();
-    node.first = static_cast<uint32_t>(tree.order.size());
+    const uint32_t index = append_node(tree, visit.place, static_cast<uint32_t>(tree.order.size()));
     if (visit.node->is_leaf) {
-      node.count = 1;
+      tree.nodes[index].count = 1;
       tree.order.push_back(visit.node->primitive);
     } else {
-      stack.push_back({visit.node->children[1], index, 1});
-      stack.push_back({visit.node->children[0], index, 0});
+      stack.push_back({visit.node->children[1], {index, 1}});
+      stack.push_back({visit.node->children[0], {index, 0}});
     }
   }
   return tree;
@@ -180,25 +191,23 @@ BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
 
 BinaryTree build_median_tree(std::span<const Box> boxes) {
   struct Visit {
-    uint32_t first, count, parent, side;
+    uint32_t first, count;
+    Place place;
   };
   BinaryTree tree;
   tree.order.resize(boxes.size());
   std::iota(tree.order.begin(), tree.order.end(), 0u);
-  std::vector<Visit> stack{{0, static_cast<uint32_t>(boxes.size()), 0, 0}};
+  std::vector<Visit> stack{{0, static_cast<uint32_t>(boxes.size()), {}}};
   while (!stack.empty()) {
     const Visit visit = stack.back();
     stack.pop_back();
-    const auto index = static_cast<uint32_t>(tree.nodes.size());
-    if (index > 0) tree.nodes[visit.parent].children[visit.side] = index;
-    BinaryNode& node = tree.nodes.emplace_back();
-    node.first = visit.first;
-    node.count = visit.count;
+    const uint32_t index = append_node(tree, visit.place, visit.first);
+    tree.nodes[index].count = visit.count;
     if (visit.count == 1) continue;
     halve(std::span(tree.order).subspan(visit.first, visit.count), boxes);
     const uint32_t half = visit.count / 2;
-    stack.push_back({visit.first + half, visit.count - half, index, 1});
-    stack.push_back({visit.first, half, index, 0});
+    stack.push_back({visit.first + half, visit.count - half, {index, 1}});
+    stack.push_back({visit.first, half, {index, 0}});
   }
   sum_up(tree, boxes);
   return tree;

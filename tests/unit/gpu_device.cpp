@@ -10,86 +10,14 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <numeric>
 #include <random>
 
-#include "base/error.hpp"
-#include "gpu/faults.hpp"
-#include "gpu/gpu.hpp"
-
-namespace probe {
-std::span<const uint32_t> spirv(std::string_view name);
-}
+#include "unit/gpu_probe.hpp"
 
 namespace regulus::gpu {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr uint32_t WORKGROUP_SIZE = 64;
-const DeviceOptions UNCACHED = {.select = "", .pipeline_cache = false, .software_stage_times = true};
-
-/// Push constants of gpu_probe.comp: target[i] = FACTOR * source[i] + addend for i < count.
-struct ProbeParameters {
-  uint64_t source;
-  uint64_t target;
-  uint32_t addend;
-  uint32_t count;
-};
-
-ProbeParameters probe_parameters(const Buffer& source, const Buffer& target, uint32_t addend) {
-  return {source.address(), target.address(), addend, static_cast<uint32_t>(source.size() / 4)};
-}
-
-uint32_t groups_for(const Buffer& buffer) {
-  return static_cast<uint32_t>((buffer.size() / 4 + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE);
-}
-
-class GpuDevice : public testing::Test {
- protected:
-  void TearDown() override { faults() = {}; }
-
-  Kernel probe_variant(uint32_t factor, bool int64, std::string name = "probe") {
-    return device.create_kernel({.name = std::move(name),
-                                 .spirv = probe::spirv(int64 ? "gpu_probe" : "gpu_probe.int32"),
-                                 .constants = {{0, WORKGROUP_SIZE}, {1, factor}}});
-  }
-  Kernel probe_kernel(uint32_t factor, std::string name = "probe") {
-    return probe_variant(factor, device.info().has_int64, std::move(name));
-  }
-  void run_probe(CommandList& commands, const Kernel& kernel, const Buffer& from, const Buffer& to,
-                 uint32_t addend) {
-    commands.dispatch(kernel, bytes_of(probe_parameters(from, to, addend)), groups_for(from));
-  }
-  std::vector<StageTime> run(CommandList&& commands) {
-    Submission submission = device.submit(std::move(commands));
-    return device.wait(submission);
-  }
-  Buffer iota(size_t count) {
-    std::vector<uint32_t> values(count);
-    std::iota(values.begin(), values.end(), 0u);
-    return upload_new(device, values, "iota");
-  }
-
-  Device device{UNCACHED};
-};
-
-/// Runs `action`, which must throw an Error of this status, and returns its message.
-template <typename Action>
-std::string error_of(ExitStatus status, Action&& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status(), status);
-    return error.what();
-  }
-  ADD_FAILURE() << "no error";
-  return {};
-}
-
-bool contains(const std::string& text, std::string_view part) {
-  return text.find(part) != std::string::npos;
-}
 
 TEST(GpuDevices, AreListedWithTheirIndices) {
   const std::vector<DeviceInfo> devices = list_devices();
@@ -248,7 +176,7 @@ TEST_F(GpuDevice, FillCopyAndIndirectDispatchAreOrdered) {
 
   // One group covers 64 items, the rest stay zero.
   const auto values = download_all<uint32_t>(device, target, COUNT);
-  for (uint32_t i = 0; i < COUNT; ++i) ASSERT_EQ(values[i], i < WORKGROUP_SIZE ? 105u : 0u) << i;
+  for (uint32_t i = 0; i < COUNT; ++i) ASSERT_EQ(values[i], i < PROBE_WORKGROUP_SIZE ? 105u : 0u) << i;
 }
 
 TEST_F(GpuDevice, IndirectDispatchOfNoGroupsDoesNothing) {
@@ -352,7 +280,7 @@ TEST_F(GpuDevice, TimesAreThoseOfTheStagesAndFitInTheWallTime) {
 TEST_F(GpuDevice, StagesAreNamedWithoutTimesIfNoneAreWanted) {
   Device untimed({.select = "", .pipeline_cache = false, .software_stage_times = false});
   Kernel kernel = untimed.create_kernel(
-      {.name = "probe", .spirv = probe::spirv("gpu_probe.int32"), .constants = {{0, WORKGROUP_SIZE}}});
+      {.name = "probe", .spirv = probe::spirv("gpu_probe.int32"), .constants = {{0, PROBE_WORKGROUP_SIZE}}});
   Buffer buffer = untimed.create_buffer(1024, "buffer");
   CommandList commands(untimed);
   run_probe(commands, kernel, buffer, buffer, 4);
@@ -362,87 +290,6 @@ TEST_F(GpuDevice, StagesAreNamedWithoutTimesIfNoneAreWanted) {
   EXPECT_EQ(times[0].stage, "probe");
   EXPECT_EQ(times[0].device_ms, 0);
   EXPECT_EQ(download_all<uint32_t>(untimed, buffer, 256), std::vector<uint32_t>(256, 4));
-}
-
-TEST_F(GpuDevice, ManyBuffersKeepTheirContentsAndAreAccountedFor) {
-  constexpr uint32_t COUNT = 500;
-  iota(1);  // the first copy allocates staging memory, for good
-  const uint64_t before = device.allocated_bytes();
-  {
-    std::vector<Buffer> buffers;
-    for (uint32_t i = 0; i < COUNT; ++i)
-      buffers.push_back(upload_new(device, std::vector<uint32_t>(1024, i), "many"));
-    EXPECT_GE(device.allocated_bytes(), before + COUNT * 4096);
-    EXPECT_GE(device.peak_allocated_bytes(), device.allocated_bytes());
-    for (uint32_t i = 0; i < COUNT; ++i)
-      ASSERT_EQ(download_all<uint32_t>(device, buffers[i], 1024), std::vector<uint32_t>(1024, i));
-  }
-  EXPECT_EQ(device.allocated_bytes(), before);
-}
-
-TEST_F(GpuDevice, HandlesMayOutliveTheDevice) {
-  Buffer buffer;
-  Kernel kernel;
-  {
-    Device other(UNCACHED);
-    buffer = other.create_buffer(100, "survivor");
-    kernel =
-        other.create_kernel({.name = "survivor", .spirv = probe::spirv("gpu_probe.int32"), .constants = {}});
-  }
-  EXPECT_NE(buffer.address(), 0u);
-}
-
-TEST_F(GpuDevice, FreeMemoryIsPlausible) {
-  const uint64_t free = device.free_bytes();
-  std::printf("%.2f GiB of %.2f GiB free\n", double(free) / (1 << 30),
-              double(device.info().heap_bytes) / (1 << 30));
-  EXPECT_GT(free, uint64_t{64} << 20);
-  EXPECT_LE(free, device.info().heap_bytes);
-}
-
-TEST_F(GpuDevice, TooLargeABufferIsAnErrorThatNamesItAndTheLimit) {
-  const uint64_t limit = device.info().max_allocation_bytes;
-  const std::string message = error_of(ExitStatus::Failed, [&] { device.create_buffer(limit + 1, "film"); });
-  EXPECT_TRUE(contains(message, "buffer film")) << message;
-  EXPECT_TRUE(contains(message, "at most")) << message;
-  error_of(ExitStatus::Failed, [&] { device.create_buffer(~uint64_t{0}, "film"); });
-}
-
-TEST_F(GpuDevice, OutOfMemoryIsAnErrorThatNamesTheBuffer) {
-  faults().out_of_memory = true;
-  const uint64_t before = device.allocated_bytes();
-  const std::string message = error_of(ExitStatus::Failed, [&] { device.create_buffer(3 << 20, "queue"); });
-  EXPECT_TRUE(contains(message, "buffer queue")) << message;
-  EXPECT_TRUE(contains(message, "3.0 MiB")) << message;
-  EXPECT_EQ(device.allocated_bytes(), before);
-  faults() = {};
-  EXPECT_EQ(device.create_buffer(3 << 20, "queue").size(), 3u << 20) << "the device is still usable";
-}
-
-TEST_F(GpuDevice, LossIsReportedWithTheStage) {
-  Buffer a = iota(100);
-  Kernel first = probe_kernel(1, "first_stage"), second = probe_kernel(2, "second_stage");
-  CommandList commands(device);
-  run_probe(commands, first, a, a, 1);
-  run_probe(commands, second, a, a, 1);
-  Submission submission = device.submit(std::move(commands));
-  faults().lost_at_wait = true;
-  const std::string message = error_of(ExitStatus::NoDevice, [&] { device.wait(submission); });
-  EXPECT_TRUE(contains(message, "device " + device.info().name + " lost")) << message;
-  EXPECT_TRUE(contains(message, "stage")) << message;
-  EXPECT_TRUE(contains(message, "second_stage")) << message;
-  faults() = {};
-  error_of(ExitStatus::NoDevice, [&] { download_all<uint32_t>(device, a, 1); });  // stays lost
-}
-
-TEST_F(GpuDevice, LossAtSubmissionNamesItsStages) {
-  Buffer a = iota(100);
-  Kernel kernel = probe_kernel(1, "first_stage");
-  CommandList commands(device);
-  run_probe(commands, kernel, a, a, 1);
-  faults().lost_at_submit = true;
-  const std::string message = error_of(ExitStatus::NoDevice, [&] { device.submit(std::move(commands)); });
-  EXPECT_TRUE(contains(message, "while running stage first_stage")) << message;
 }
 
 /// A cache folder of the test's own, in place of the user's.
