@@ -104,7 +104,7 @@ Json features_json(const scene::Features& features) {
 
 Json stages_json(const scene::Features& features, const render::RenderSettings& settings) {
   Json run = Json::array(), skipped = Json::array();
-  for (const render::StageStep& step : render::PATH_TRACING_PASS)
+  for (const render::StageStep& step : render::STAGES)
     (render::is_needed(step, features, settings) ? run : skipped).push_back(step.name);
   return {{"run", run}, {"skipped", skipped}};
 }
