@@ -102,7 +102,8 @@ Json features_json(const scene::Features& features) {
   return {{"present", present}, {"absent", absent}};
 }
 
-Json stages_json(const scene::Features& features, const render::RenderSettings& settings) {
+Json stages_json(const scene::Features& features, render::RenderSettings settings) {
+  settings.techniques = render::effective_techniques(features, settings);
   Json run = Json::array(), skipped = Json::array();
   for (const render::StageStep& step : render::STAGES)
     (render::is_needed(step, features, settings) ? run : skipped).push_back(step.name);

@@ -91,6 +91,13 @@ AccessorReader::AccessorReader(const Document& document, int accessor, int type,
 void AccessorReader::open_base(const Document& document) {
   const tinygltf::Accessor& source = document.model.accessors[accessor_index_];
   const uint64_t element_size = component_size_ * components_;
+  const auto decoded = document.decoded_accessors.find(accessor_index_);
+  if (decoded != document.decoded_accessors.end()) {
+    stride_ = element_size;
+    require_fit(document, element_, 0, count_, stride_, element_size, decoded->second.size());
+    base_ = decoded->second.data();
+    return;
+  }
   if (source.bufferView < 0) {
     if (count_ > MAX_ELEMENTS_WITHOUT_DATA)
       document.fail(fmt::format("{} claims {} elements but has no buffer view; export the file again",
@@ -181,6 +188,12 @@ glm::vec2 AccessorReader::vec2_at(uint64_t i) const {
 glm::vec3 AccessorReader::vec3_at(uint64_t i) const {
   const unsigned char* bytes = at(i);
   return {component(bytes), component(bytes + component_size_), component(bytes + 2 * component_size_)};
+}
+
+glm::vec4 AccessorReader::vec4_at(uint64_t i) const {
+  const unsigned char* bytes = at(i);
+  return {component(bytes), component(bytes + component_size_), component(bytes + 2 * component_size_),
+          component(bytes + 3 * component_size_)};
 }
 
 uint32_t AccessorReader::index_at(uint64_t i) const {

@@ -23,6 +23,7 @@ class AccessorReader {
 
   glm::vec2 vec2_at(uint64_t i) const;
   glm::vec3 vec3_at(uint64_t i) const;
+  glm::vec4 vec4_at(uint64_t i) const;
   /// Unsigned integer components only (vertex indices). @throws Error for others when the reader is made.
   uint32_t index_at(uint64_t i) const;
   /// @throws Error unless components are unsigned integers.

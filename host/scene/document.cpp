@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "scene/compression.hpp"
 #include "scene/schema.hpp"
 
 namespace regulus::scene {
@@ -149,7 +150,10 @@ void read_buffers(Document& document, const json& reduced, std::optional<ByteSpa
     } else if (i == 0 && binary) {
       bytes = *binary;
     }
-    const uint64_t length = buffer.value("byteLength", uint64_t{0});
+    uint64_t length = buffer.value("byteLength", uint64_t{0});
+    // Only announces the size of what the compressed views decode to.
+    if (bytes.empty() && buffer.contains(json::json_pointer("/extensions/EXT_meshopt_compression/fallback")))
+      length = 0;
     if (length > bytes.size())
       document.fail(fmt::format("{} declares {} bytes but has {}; copy or export the file again", element,
                                 length, bytes.size()));
@@ -168,6 +172,8 @@ void Document::warn(const std::string& message) {
 }
 
 std::span<const unsigned char> Document::view(int buffer_view, const std::string& element) const {
+  const auto decoded = decoded_views.find(buffer_view);
+  if (decoded != decoded_views.end()) return decoded->second;
   const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(buffer_view));
   const ByteSpan buffer = buffers.at(static_cast<size_t>(view.buffer));
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
@@ -178,7 +184,7 @@ std::span<const unsigned char> Document::view(int buffer_view, const std::string
 }
 
 Document open_document(const std::filesystem::path& path, bool allow_external) {
-  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}};
+  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}, {}, {}};
   document.storage.push_back(document.files.read_scene());
   const ByteSpan bytes = document.storage.back();
   Container container{bytes, std::nullopt};
@@ -192,7 +198,10 @@ Document open_document(const std::filesystem::path& path, bool allow_external) {
   check_and_reduce(reduced, path);
   read_buffers(document, reduced, container.binary);
   document.images = reduced.value("images", json::array());
-  document.model = to_model(std::move(reduced), document);
+  decode_meshopt_views(document, reduced);
+  complete_draco_accessors(reduced);
+  document.model = to_model(reduced, document);
+  decode_draco_primitives(document, reduced);
   return document;
 }
 

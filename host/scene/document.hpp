@@ -5,6 +5,7 @@
 #include <tiny_gltf.h>
 
 #include <cstdint>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <span>
 #include <string>
@@ -21,6 +22,10 @@ struct Document {
   nlohmann::json images;       ///< json["images"], checked
   std::vector<Bytes> storage;  ///< owns what `buffers` points into
   std::vector<std::span<const unsigned char>> buffers;  ///< contents of json["buffers"]
+  std::map<int, std::span<const unsigned char>>
+      decoded_views;  ///< by buffer view: in place of its buffer's bytes
+  /// By accessor: its elements, tightly packed, in place of its buffer view.
+  std::map<size_t, std::span<const unsigned char>> decoded_accessors;
   std::vector<std::string> warnings;
 
   /// The names in extensionsUsed.

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "scene/accessor.hpp"
+#include "scene/instancing.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -260,9 +261,7 @@ std::vector<Instance> find_instances(Document& document, const std::vector<Place
   std::vector<Instance> instances;
   uint64_t skipped = 0;
   for (const PlacedNode& placed : nodes) {
-    const int mesh = document.model.nodes[placed.node].mesh;
-    if (mesh < 0) continue;
-    const size_t mesh_index = static_cast<size_t>(mesh);
+    const size_t mesh_index = static_cast<size_t>(document.model.nodes[placed.node].mesh);
     const auto& primitives = document.model.meshes[mesh_index].primitives;
     for (size_t i = 0; i < primitives.size(); ++i) {
       if (is_triangle_mode(primitives[i].mode) && primitives[i].attributes.count("POSITION") != 0)
@@ -306,7 +305,7 @@ void require_memory(const Document& document, const std::vector<Instance>& insta
 }  // namespace
 
 void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scene& scene) {
-  const std::vector<Instance> instances = find_instances(document, nodes);
+  const std::vector<Instance> instances = find_instances(document, place_meshes(document, nodes));
   require_memory(document, instances, scene);
   Tally tally;
   for (const Instance& instance : instances) {

@@ -7,6 +7,7 @@
 #include "base/error.hpp"
 #include "scene/document.hpp"
 #include "scene/geometry.hpp"
+#include "scene/instancing.hpp"
 #include "scene/material.hpp"
 #include "scene/nodes.hpp"
 #include "scene/punctual.hpp"
@@ -69,10 +70,7 @@ void set_bounds(Scene& scene) {
 Inventory take_inventory(const Document& document, const std::vector<PlacedNode>& nodes) {
   Inventory inventory;
   inventory.meshes = document.model.meshes.size();
-  inventory.instances =
-      static_cast<size_t>(std::count_if(nodes.begin(), nodes.end(), [&](const PlacedNode& placed) {
-        return document.model.nodes[placed.node].mesh >= 0;
-      }));
+  inventory.instances = place_meshes(document, nodes).size();
   inventory.images = document.images.size();
   for (const std::string& name : document.extensions_used())
     (is_known_extension(name) ? inventory.extensions_read : inventory.extensions_ignored).push_back(name);

@@ -10,6 +10,7 @@
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "scene/files.hpp"
 
@@ -22,15 +23,17 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 7> KNOWN_EXTENSIONS = {
-    "KHR_lights_punctual",    "KHR_materials_emissive_strength", "KHR_materials_ior",
-    "KHR_materials_specular", "KHR_materials_transmission",      "KHR_materials_volume",
-    "KHR_mesh_quantization"};
+constexpr std::array<std::string_view, 11> KNOWN_EXTENSIONS = {
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",          "KHR_materials_specular",  "KHR_materials_transmission",
+    "KHR_materials_volume",       "KHR_mesh_quantization"};
 
 enum class Kind {
   Index,       // non-negative integer below the length of the array `target`
   IndexArray,  // array of Index
   IndexMap,    // object whose members are Index
+  IntegerMap,  // object whose members are Integer
   Integer,     // 0 .. 2^31 - 1
   Size,        // 0 .. 2^53
   Number,
@@ -137,6 +140,24 @@ const std::map<std::string_view, Rule>& rules() {
   return table;
 }
 
+/// Members that mean something else inside an extension: rules by extension and member, tried first.
+const std::map<std::pair<std::string_view, std::string_view>, Rule>& extension_rules() {
+  static const std::map<std::pair<std::string_view, std::string_view>, Rule> table = {
+      {{"EXT_meshopt_compression", "mode"}, {Kind::String}},
+      {{"EXT_meshopt_compression", "filter"}, {Kind::String}},
+      {{"EXT_meshopt_compression", "fallback"}, {Kind::Boolean}},
+      {{"KHR_draco_mesh_compression", "attributes"}, {Kind::IntegerMap}},
+  };
+  return table;
+}
+
+const Rule* find_rule(std::string_view extension, std::string_view member) {
+  const auto special = extension_rules().find({extension, member});
+  if (special != extension_rules().end()) return &special->second;
+  const auto general = rules().find(member);
+  return general != rules().end() ? &general->second : nullptr;
+}
+
 // Parts of a document that are never read: removed, so that neither we nor tinygltf look at them.
 constexpr std::array<std::string_view, 8> IGNORED_MEMBERS = {
     "extras", "animations", "skins", "skin", "targets", "weights", "normalTexture", "occlusionTexture"};
@@ -155,14 +176,15 @@ class Checker {
     }
   }
 
-  void check_object(json& object, const std::string& path) {
+  /// @param extension the extension whose members these are, or empty.
+  void check_object(json& object, const std::string& path, std::string_view extension = {}) {
     for (const std::string_view name : IGNORED_MEMBERS) object.erase(std::string(name));
     for (auto member = object.begin(); member != object.end(); ++member) {
-      const auto rule = rules().find(member.key());
-      if (rule != rules().end()) {
+      const Rule* rule = find_rule(extension, member.key());
+      if (rule != nullptr) {
         const std::string member_path =
             path.empty() ? member.key() : fmt::format("{}/{}", path, member.key());
-        check_member(member.value(), member.key(), rule->second, member_path);
+        check_member(member.value(), member.key(), *rule, member_path);
       }
     }
   }
@@ -193,6 +215,11 @@ class Checker {
         if (!value.is_object()) refuse(path, "an object");
         for (auto& [name, index] : value.items())
           check_index(index, rule.target, fmt::format("{}/{}", path, name));
+        return;
+      case Kind::IntegerMap:
+        if (!value.is_object()) refuse(path, "an object");
+        for (auto& [name, number] : value.items())
+          check_integer(number, MAX_INT, fmt::format("{}/{}", path, name));
         return;
       case Kind::Integer:
         return check_integer(value, MAX_INT, path);
@@ -238,7 +265,7 @@ class Checker {
       }
       const std::string extension_path = fmt::format("{}/{}", path, member.key());
       if (!member.value().is_object()) refuse(extension_path, "an object");
-      check_object(member.value(), extension_path);
+      check_object(member.value(), extension_path, member.key());
       ++member;
     }
   }

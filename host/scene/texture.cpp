@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <stb_image.h>
+#include <webp/decode.h>
 
 #include <algorithm>
 #include <cmath>
@@ -21,7 +22,11 @@ constexpr uint64_t MAX_TEXELS_OF_SCENE = uint64_t{1} << 31;  // the kernels' wor
 // some bits.)
 constexpr uint64_t MAX_PIXELS_PER_BYTE = 1032 * 8;
 
-using StbImage = std::unique_ptr<void, decltype(&stbi_image_free)>;
+// Of WebP there is no such bound (one colour costs no bits): images up to this size are believed.
+constexpr uint64_t MAX_UNCHECKED_TEXELS = uint64_t{1} << 24;
+
+/// RGBA codes of 8 or 16 bits with the function that frees them.
+using Pixels = std::unique_ptr<void, void (*)(void*)>;
 
 bool is_png(const Bytes& bytes) {
   constexpr unsigned char magic[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
@@ -30,6 +35,41 @@ bool is_png(const Bytes& bytes) {
 
 bool is_jpeg(const Bytes& bytes) {
   return bytes.size() > 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
+}
+
+bool is_webp(const Bytes& bytes) {
+  return bytes.size() > 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
+         std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
+}
+
+/// Reads the size from the header; false if it has none.
+bool read_size(const Bytes& bytes, int& width, int& height) {
+  if (is_webp(bytes)) return WebPGetInfo(bytes.data(), bytes.size(), &width, &height) != 0;
+  int channels = 0;
+  return bytes.size() <= 0x7FFFFFFFu &&
+         stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels) != 0;
+}
+
+bool is_16_bit(const Bytes& bytes) {
+  return !is_webp(bytes) && stbi_is_16_bit_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
+}
+
+/// The image as RGBA; null if it cannot be decoded.
+Pixels decode(const Bytes& bytes) {
+  int width = 0, height = 0, channels = 0;
+  const int size = static_cast<int>(bytes.size());
+  if (is_webp(bytes)) return {WebPDecodeRGBA(bytes.data(), bytes.size(), &width, &height), &WebPFree};
+  if (is_16_bit(bytes))
+    return {stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free};
+  return {stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free};
+}
+
+/// The image of a texture: of EXT_texture_webp, else the plain one; -1 if it has neither.
+int image_of(const tinygltf::Texture& texture) {
+  const auto webp = texture.extensions.find("EXT_texture_webp");
+  if (webp != texture.extensions.end() && webp->second.Has("source"))
+    return webp->second.Get("source").GetNumberAsInt();
+  return texture.source;
 }
 
 /// IEC 61966-2-1 decoding.
@@ -89,8 +129,9 @@ uint32_t TextureLoader::load(int texture, TextureContent content) {
   if (!is_new) return entry->second;
   const tinygltf::Texture& source = document_.model.textures[static_cast<size_t>(texture)];
   const std::string element = element_name("texture", static_cast<size_t>(texture), source.name);
-  if (source.source < 0) document_.fail(element + " has no PNG or JPEG image; convert its image");
-  interface::Texture loaded = load_image(static_cast<size_t>(source.source), content, element);
+  const int image = image_of(source);
+  if (image < 0) document_.fail(element + " has no PNG, JPEG or WebP image; convert its image");
+  interface::Texture loaded = load_image(static_cast<size_t>(image), content, element);
   loaded.flags = sampler_flags(document_, source.sampler);
   entry->second = static_cast<uint32_t>(scene_.textures.size());
   scene_.textures.push_back(loaded);
@@ -104,32 +145,28 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
 
   const std::string element = fmt::format("{} image {}", texture, image);
   const Bytes bytes = image_bytes(image, element);
-  if (!is_png(bytes) && !is_jpeg(bytes)) document_.fail(element + " is neither PNG nor JPEG; convert it");
-  int width = 0, height = 0, channels = 0;
-  const int size = static_cast<int>(bytes.size());
-  if (bytes.size() > 0x7FFFFFFFu ||
-      stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0)
+  if (!is_png(bytes) && !is_jpeg(bytes) && !is_webp(bytes))
+    document_.fail(element + " is neither PNG, JPEG nor WebP; convert it");
+  int width = 0, height = 0;
+  if (!read_size(bytes, width, height))
     document_.fail(element + " has no readable header or is too large; export it again");
   const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
   if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS)
     document_.fail(fmt::format("{} has {} x {} pixels, the limit is {} a side and {} in all; scale it down",
                                element, width, height, MAX_SIDE, MAX_TEXELS));
-  if (texels > MAX_PIXELS_PER_BYTE * bytes.size())
+  const bool is_bounded = !is_webp(bytes) || texels > MAX_UNCHECKED_TEXELS;
+  if (is_bounded && texels > MAX_PIXELS_PER_BYTE * bytes.size())
     document_.fail(fmt::format("{} declares {} x {} pixels in {} bytes, which cannot be; export it again",
                                element, width, height, bytes.size()));
   const uint64_t first_texel = scene_.texels.size() / 2;
   if (first_texel + texels >= MAX_TEXELS_OF_SCENE)
     document_.fail("more than 2^31 texels in all; scale textures down");
 
-  const bool is_16_bit = stbi_is_16_bit_from_memory(bytes.data(), size) != 0;
-  const StbImage pixels(
-      is_16_bit
-          ? static_cast<void*>(stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 4))
-          : static_cast<void*>(stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4)),
-      &stbi_image_free);
+  const Pixels pixels = decode(bytes);
   if (!pixels)
-    document_.fail(fmt::format("{} cannot be decoded ({}); export it again", element, stbi_failure_reason()));
-  if (is_16_bit)
+    document_.fail(fmt::format("{} cannot be decoded{}; export it again", element,
+                               is_webp(bytes) ? "" : fmt::format(" ({})", stbi_failure_reason())));
+  if (is_16_bit(bytes))
     append_texels(static_cast<const uint16_t*>(pixels.get()), texels, content, scene_.texels);
   else
     append_texels(static_cast<const uint8_t*>(pixels.get()), texels, content, scene_.texels);

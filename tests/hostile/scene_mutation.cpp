@@ -99,6 +99,8 @@ INSTANTIATE_TEST_SUITE_P(
     Files, SceneMutation,
     testing::Values("scenes/cornell-box.glb", "gltf/playcanvas/Lights.glb",
                     "gltf/playcanvas/geometry-camera-light.glb", "gltf/playcanvas/glass-table.glb",
+                    "gltf/playcanvas/heart_draco.glb", "gltf/playcanvas/simple-instancing.glb",
+                    "gltf/gltf-transform/packages/extensions/test/in/BoxMeshopt.glb",
                     "gltf/tinygltf/models/SparseMorphTargets-issue280/singleBlendshapeCube_sparse.glb",
                     "gltf/gltf-transform/packages/cli/test/in/chr_knight.glb"));
 

@@ -207,7 +207,7 @@ TEST(SceneTexture, BrokenImagesNameTheirTexture) {
     file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
     return load_error(file);
   };
-  EXPECT_NE(error_for({'G', 'I', 'F', '8'}).find("texture 0 image 0 is neither PNG nor JPEG"),
+  EXPECT_NE(error_for({'G', 'I', 'F', '8'}).find("texture 0 image 0 is neither PNG, JPEG nor WebP"),
             std::string::npos);
   Bytes truncated = make_png(4, 4, 3, 8, std::vector<uint16_t>(48, 7));
   truncated.resize(truncated.size() - 40);

@@ -1,0 +1,135 @@
+// complete_draco_accessors, decode_draco_primitives.
+#include <draco/compression/decode.h>
+#include <fmt/core.h>
+
+#include <cstring>
+#include <memory>
+
+#include "scene/compression.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using nlohmann::json;
+
+std::unique_ptr<draco::Mesh> decode(const Document& document, int buffer_view, const std::string& element) {
+  const auto bytes = document.view(buffer_view, element);
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  draco::Decoder decoder;
+  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok()) {
+    std::string reason = decoded.status().error_msg_string();
+    document.fail(fmt::format("{} cannot be decoded ({}); export the file again", element, reason));
+  }
+  return std::move(decoded).value();
+}
+
+/// Values of an attribute per point, as components of type T.
+template <typename T>
+Bytes convert(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int8_t components) {
+  Bytes bytes(sizeof(T) * static_cast<size_t>(components) * mesh.num_points());
+  T values[4] = {};
+  for (draco::PointIndex point(0); point < mesh.num_points(); ++point) {
+    attribute.ConvertValue<T>(attribute.mapped_index(point), components, values);
+    const size_t size = sizeof(T) * static_cast<size_t>(components);
+    std::memcpy(bytes.data() + point.value() * size, values, size);
+  }
+  return bytes;
+}
+
+Bytes convert(const Document& document, const draco::Mesh& mesh, const draco::PointAttribute& attribute,
+              const tinygltf::Accessor& accessor, const std::string& element) {
+  const int components = tinygltf::GetNumComponentsInType(static_cast<uint32_t>(accessor.type));
+  if (components < 1 || components > 4 || attribute.num_components() != components)
+    document.fail(fmt::format("{} has {} components, its accessor {}; export the file again", element,
+                              attribute.num_components(), components));
+  const auto count = static_cast<int8_t>(components);
+  switch (accessor.componentType) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return convert<float>(mesh, attribute, count);
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      return convert<int8_t>(mesh, attribute, count);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return convert<uint8_t>(mesh, attribute, count);
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      return convert<int16_t>(mesh, attribute, count);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return convert<uint16_t>(mesh, attribute, count);
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+      return convert<uint32_t>(mesh, attribute, count);
+    default:
+      document.fail(fmt::format("{} has component type {}, which is not one of glTF's; export the file again",
+                                element, accessor.componentType));
+  }
+}
+
+Bytes indices_of(const draco::Mesh& mesh) {
+  Bytes bytes(mesh.num_faces() * 3 * sizeof(uint32_t));
+  for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face)
+    for (size_t corner = 0; corner < 3; ++corner) {
+      const uint32_t index = mesh.face(face)[corner].value();
+      std::memcpy(bytes.data() + (face.value() * 3 + corner) * sizeof(index), &index, sizeof(index));
+    }
+  return bytes;
+}
+
+/// What was decoded takes the place of an accessor's data.
+void replace(Document& document, size_t accessor, Bytes bytes, uint64_t count) {
+  document.storage.push_back(std::move(bytes));
+  document.decoded_accessors[accessor] = document.storage.back();
+  document.model.accessors[accessor].count = count;
+}
+
+void decode_primitive(Document& document, tinygltf::Primitive& primitive, const json& extension,
+                      const std::string& element) {
+  if (!extension.contains("bufferView") || !extension.contains("attributes") || primitive.indices < 0)
+    document.fail(element + " has no bufferView, attributes or indices; export the file again");
+  const auto mesh = decode(document, extension["bufferView"].get<int>(), element);
+  const auto indices = static_cast<size_t>(primitive.indices);
+  document.model.accessors[indices].componentType = TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+  replace(document, indices, indices_of(*mesh), uint64_t{mesh->num_faces()} * 3);
+  primitive.mode = TINYGLTF_MODE_TRIANGLES;
+  for (const auto& [name, id] : extension["attributes"].items()) {
+    const auto accessor = primitive.attributes.find(name);
+    const draco::PointAttribute* attribute = mesh->GetAttributeByUniqueId(id.get<uint32_t>());
+    if (accessor == primitive.attributes.end() || attribute == nullptr)
+      document.fail(
+          fmt::format("{}: attribute {} is missing from the primitive or the data; export the file again",
+                      element, name));
+    const auto index = static_cast<size_t>(accessor->second);
+    replace(document, index,
+            convert(document, *mesh, *attribute, document.model.accessors[index], element + " " + name),
+            mesh->num_points());
+  }
+}
+
+const json::json_pointer EXTENSION("/extensions/KHR_draco_mesh_compression");
+
+}  // namespace
+
+void complete_draco_accessors(json& reduced) {
+  if (!reduced.contains("meshes")) return;
+  for (json& mesh : reduced["meshes"])
+    for (json& primitive : mesh.value("primitives", json::array())) {
+      if (!primitive.contains(EXTENSION) || !primitive.contains("indices")) continue;
+      json& accessor = reduced["accessors"][primitive["indices"].get<size_t>()];
+      const json& extension = primitive[EXTENSION];
+      if (!accessor.contains("bufferView") && extension.contains("bufferView"))
+        accessor["bufferView"] = extension["bufferView"];
+    }
+}
+
+void decode_draco_primitives(Document& document, const json& reduced) {
+  auto& meshes = document.model.meshes;
+  for (size_t m = 0; m < meshes.size(); ++m)
+    for (size_t p = 0; p < meshes[m].primitives.size(); ++p) {
+      const json& primitive = reduced["meshes"][m]["primitives"][p];
+      if (!primitive.contains(EXTENSION)) continue;
+      const std::string element = fmt::format("{} primitive {} KHR_draco_mesh_compression",
+                                              element_name("mesh", m, meshes[m].name), p);
+      decode_primitive(document, meshes[m].primitives[p], primitive[EXTENSION], element);
+    }
+}
+
+}  // namespace regulus::scene

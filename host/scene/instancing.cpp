@@ -1,0 +1,96 @@
+#include "scene/instancing.hpp"
+
+#include <fmt/core.h>
+
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <optional>
+
+#include "scene/accessor.hpp"
+
+namespace regulus::scene {
+namespace {
+
+// Every place has triangles of its own; long before this many a scene is out of memory.
+constexpr size_t MAX_PLACES = size_t{1} << 24;
+
+/// The attributes of EXT_mesh_gpu_instancing of one node: translation, rotation, scale per instance, each
+/// optional.
+class InstanceReader {
+ public:
+  InstanceReader(const Document& document, size_t node, const tinygltf::Value& extension)
+      : document_(document),
+        element_(element_name("node", node, document.model.nodes[node].name) + " EXT_mesh_gpu_instancing") {
+    if (!extension.Has("attributes")) document.fail(element_ + " has no attributes; export the file again");
+    const tinygltf::Value& attributes = extension.Get("attributes");
+    open(attributes, "TRANSLATION", TINYGLTF_TYPE_VEC3, translation_);
+    open(attributes, "ROTATION", TINYGLTF_TYPE_VEC4, rotation_);
+    open(attributes, "SCALE", TINYGLTF_TYPE_VEC3, scale_);
+    if (!count_)
+      document.fail(element_ + " has neither TRANSLATION, ROTATION nor SCALE; export the file again");
+  }
+
+  uint64_t count() const { return *count_; }
+
+  /// Transform of instance i within its node. @throws Error if it is not finite.
+  glm::dmat4 at(uint64_t i) const {
+    glm::dmat4 transform(1.0);
+    if (translation_) transform = glm::translate(transform, glm::dvec3(translation_->vec3_at(i)));
+    if (rotation_) {
+      const glm::dvec4 r(rotation_->vec4_at(i));
+      const glm::dquat quaternion(r.w, r.x, r.y, r.z);
+      const double length = glm::length(quaternion);
+      if (!(length > 0) || !std::isfinite(length)) refuse(i, "its rotation is not a quaternion");
+      transform *= glm::mat4_cast(quaternion / length);
+    }
+    if (scale_) transform = glm::scale(transform, glm::dvec3(scale_->vec3_at(i)));
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 4; ++row)
+        if (!std::isfinite(transform[column][row])) refuse(i, "its transform is not finite");
+    return transform;
+  }
+
+ private:
+  void open(const tinygltf::Value& attributes, const char* name, int type,
+            std::optional<AccessorReader>& reader) {
+    if (!attributes.Has(name)) return;
+    reader.emplace(document_, attributes.Get(name).GetNumberAsInt(), type, element_ + " " + name);
+    if (count_ && *count_ != reader->count())
+      document_.fail(fmt::format("{}: {} has {} elements, another attribute {}; export the file again",
+                                 element_, name, reader->count(), *count_));
+    count_ = reader->count();
+  }
+
+  [[noreturn]] void refuse(uint64_t i, const char* what) const {
+    document_.fail(fmt::format("{}: instance {}: {}; correct it", element_, i, what));
+  }
+
+  const Document& document_;
+  std::string element_;
+  std::optional<AccessorReader> translation_, rotation_, scale_;
+  std::optional<uint64_t> count_;
+};
+
+}  // namespace
+
+std::vector<PlacedNode> place_meshes(const Document& document, const std::vector<PlacedNode>& nodes) {
+  std::vector<PlacedNode> places;
+  for (const PlacedNode& placed : nodes) {
+    const tinygltf::Node& node = document.model.nodes[placed.node];
+    if (node.mesh < 0) continue;
+    const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
+    if (extension == node.extensions.end()) {
+      places.push_back(placed);
+    } else {
+      const InstanceReader instances(document, placed.node, extension->second);
+      if (instances.count() > MAX_PLACES - places.size())
+        document.fail(fmt::format("more than {} instances in all; reduce the scene", MAX_PLACES));
+      for (uint64_t i = 0; i < instances.count(); ++i)
+        places.push_back({placed.node, placed.to_world * instances.at(i)});
+    }
+  }
+  return places;
+}
+
+}  // namespace regulus::scene

@@ -1,0 +1,15 @@
+// Where meshes stand: one place per node, many with EXT_mesh_gpu_instancing.
+#pragma once
+
+#include <vector>
+
+#include "scene/document.hpp"
+#include "scene/nodes.hpp"
+
+namespace regulus::scene {
+
+/// The nodes that have a mesh, once for every place where it stands.
+/// @throws Error on broken instance attributes and on more than 2^24 places in all.
+std::vector<PlacedNode> place_meshes(const Document& document, const std::vector<PlacedNode>& nodes);
+
+}  // namespace regulus::scene
