@@ -13,6 +13,7 @@
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress.hpp"
+#include "cli/reference_render.hpp"
 #include "cli/render_options.hpp"
 #include "cli/stats.hpp"
 #include "image/atomic_file.hpp"
@@ -74,9 +75,8 @@ Outputs resolve_outputs(const RenderOptions& options) {
   return outputs;
 }
 
-void write_outputs(const Outputs& outputs, const RenderOptions& options, const render::Renderer& renderer,
+void write_outputs(const Outputs& outputs, const RenderOptions& options, const image::Image& image,
                    const image::Attributes& attributes, const nlohmann::json& statistics) {
-  const image::Image image = render::resolve(renderer.film());
   image::write_exr(outputs.exr, image, attributes);
   if (!outputs.png.empty()) image::write_png(outputs.png, image, options.exposure_ev);
   if (!outputs.stats.empty()) image::write_file_atomically(outputs.stats, statistics.dump(2) + "\n");
@@ -97,6 +97,37 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
                1e-6 * static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9));
 }
 
+// Throws the error of a render that was stopped; its outputs are written.
+void require_complete(bool is_complete, const Outputs& outputs) {
+  if (!is_complete)
+    throw Error(ExitStatus::Interrupted,
+                fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));
+}
+
+// --backend reference. Its statistics are those that need no device.
+void render_by_reference(const RenderOptions& options, const Outputs& outputs, const scene::Scene& scene,
+                         const bvh::Bvh& bvh, const render::RenderSettings& settings) {
+  Stopwatch stopwatch;
+  catch_interrupts();
+  ReferenceRender rendered;
+  {
+    ProgressLine progress(!options.is_quiet);
+    rendered = render_with_reference(scene, bvh, settings, [&](uint64_t done, uint64_t total) {
+      progress.update(done, total);
+      return !is_interrupted();
+    });
+  }
+  const double seconds = stopwatch.lap();
+  image::Attributes attributes = scene_attributes(scene, settings);
+  attributes["regulus:device"] = "scalar reference";
+  attributes["regulus:samples_done"] = std::to_string(rendered.samples);
+  attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
+  write_outputs(outputs, options, rendered.image, attributes, nlohmann::json(attributes));
+  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.exr.string(),
+               settings.width, settings.height, rendered.samples, seconds);
+  require_complete(rendered.samples == settings.samples, outputs);
+}
+
 void render_scene(CLI::App& command, const RenderOptions& options) {
   set_up_log(options);
   const Outputs outputs = resolve_outputs(options);
@@ -113,6 +144,8 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
   times.bvh_seconds = stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene.triangles.size(), scene.lights.size(), times.load_seconds, times.bvh_seconds);
+
+  if (options.backend == "reference") return render_by_reference(options, outputs, scene, bvh, settings);
 
   gpu::Device device({.select = options.device, .software_stage_times = !outputs.stats.empty()});
   if (device.info().kind == gpu::DeviceKind::Software)
@@ -134,15 +167,15 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
     failure = error;  // a lost device: what was rendered before is still written
     if (renderer.film().paths == 0) throw;
   }
-  write_outputs(outputs, options, renderer, image_attributes(device, scene, settings, renderer),
+  write_outputs(outputs, options, resolve(renderer.film()),
+                image_attributes(device, scene, settings, renderer),
                 render_statistics(device, scene, settings, renderer, times));
   report(renderer, settings, outputs);
   if (failure)
     throw Error(failure->status(),
                 fmt::format("{}; {} holds what was rendered before", failure->what(), outputs.exr.string()));
-  if (renderer.film().paths < uint64_t{settings.width} * settings.height * settings.samples)
-    throw Error(ExitStatus::Interrupted,
-                fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));
+  require_complete(renderer.film().paths == uint64_t{settings.width} * settings.height * settings.samples,
+                   outputs);
 }
 
 }  // namespace

@@ -41,7 +41,8 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
 
 // Options that say where things go or come from: not a scene's business.
 const std::set<std::string> COMMAND_LINE_ONLY = {"output",         "png",   "stats",   "device", "scene",
-                                                 "allow-external", "quiet", "verbose", "help",   "wave"};
+                                                 "allow-external", "quiet", "verbose", "help",   "wave",
+                                                 "backend"};
 
 glm::uvec2 parse_size(const std::string& text) {
   glm::uvec2 size{0};
@@ -180,6 +181,11 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(CLI::Range(0.0f, 16.0f));
   command.add_option("--device", options.device,
                      "Vulkan device by index or part of its name (see regulus devices)");
+  command
+      .add_option("--backend", options.backend,
+                  "vulkan, or reference: the scalar double-precision reference, slow and without a device")
+      ->check(CLI::IsMember({"vulkan", "reference"}))
+      ->capture_default_str();
   command.add_option("--wave", settings.wave_paths,
                      "Paths in flight (default: chosen for the device; never changes the image)");
   command.add_option("--stats", options.stats, "JSON file with times, rays and memory");

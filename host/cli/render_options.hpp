@@ -23,6 +23,7 @@ struct RenderOptions {
   std::string connections = "paired";
   std::string merge_radius;  ///< metres or percent; empty: the default
   std::string device;
+  std::string backend = "vulkan";  ///< or "reference": the scalar reference, which needs no device
   float exposure_ev = 0;
   std::optional<float> filter_radius;  ///< pixels; none: the filter's own
   std::optional<uint32_t> scene_index;

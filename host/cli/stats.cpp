@@ -134,19 +134,24 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"host_peak_bytes", host_peak_bytes()}};
 }
 
-image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
-                                   const render::RenderSettings& settings, const render::Renderer& renderer) {
+image::Attributes scene_attributes(const scene::Scene& scene, const render::RenderSettings& settings) {
   image::Attributes attributes;
   const nlohmann::json recorded = settings_json(settings);
   for (const auto& [name, value] : recorded.items())
     attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
-  attributes["regulus:samples_done"] =
-      std::to_string(renderer.statistics().paths / (uint64_t{settings.width} * settings.height));
   attributes["regulus:scene"] = scene.path.string();
   attributes["regulus:scene_hash"] = fmt::format("{:016x}", scene.hash);
+  attributes["regulus:version"] = fmt::format("{} ({})", VERSION, COMMIT);
+  return attributes;
+}
+
+image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
+                                   const render::RenderSettings& settings, const render::Renderer& renderer) {
+  image::Attributes attributes = scene_attributes(scene, settings);
+  attributes["regulus:samples_done"] =
+      std::to_string(renderer.statistics().paths / (uint64_t{settings.width} * settings.height));
   attributes["regulus:device"] = device.info().name;
   attributes["regulus:driver"] = device.info().driver;
-  attributes["regulus:version"] = fmt::format("{} ({})", VERSION, COMMIT);
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", renderer.statistics().render_seconds);
   attributes["regulus:non_finite"] = std::to_string(renderer.statistics().non_finite);
   return attributes;

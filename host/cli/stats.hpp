@@ -21,6 +21,10 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
                                  const render::RenderSettings& settings, const render::Renderer& renderer,
                                  const LoadTimes& times);
 
+/// What an image's header says of any backend's render: the settings and the scene.
+image::Attributes scene_attributes(const scene::Scene& scene, const render::RenderSettings& settings);
+
+/// And what it says of a device's.
 image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
                                    const render::RenderSettings& settings, const render::Renderer& renderer);
 

@@ -8,6 +8,7 @@
 
 namespace regulus::reference {
 
+using glm::dvec2;
 using glm::dvec3;
 using std::numbers::pi;
 
@@ -53,7 +54,9 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
     : parameters_(parameters),
       surface_{parameters.ndf, parameters.shadowing, parameters.alpha},
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
-  const dvec3 average = dielectric_.remap(fresnel_dielectric_average(parameters.ior), parameters.ior);
+  const double exact =
+      parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
+  const dvec3 average = dielectric_.remap(exact, parameters.ior);
   diffuse_scale_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color /
                    (pi * glm::max(1.0 - average, dvec3(1e-4)));
 }
@@ -171,23 +174,26 @@ BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, boo
   return result;
 }
 
-BsdfSample Bsdf::sample(const dvec3& wo_material, double u_lobe, double u_event, const dvec3& u,
-                        TransportMode mode) const {
+BsdfSample Bsdf::sample(const dvec3& wo_material, double u_lobe, const dvec2& u, TransportMode mode) const {
   if (wo_material.z == 0) return {};
   const double eta = relative_index(wo_material);
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
   const double p_diffuse = diffuse_probability(wo_material);
   BsdfSample result;
   if (u_lobe < p_diffuse) {
-    result.wi = sample_cosine_hemisphere({u.x, u.y});
-  } else if (is_delta()) {
-    result = sample_delta(wo, eta, p_diffuse, u_event < reflection_probability(wo.z, eta), mode);
+    result.wi = sample_cosine_hemisphere(u);
   } else {
-    const dvec3 h = sample_visible_normal(surface_, wo, u);
+    double u_choice = (u_lobe - p_diffuse) / (1 - p_diffuse);
+    const dvec3 h = is_delta() ? dvec3(0, 0, 1) : sample_visible_normal(surface_, wo, u, u_choice);
     const double cos_facet = dot(wo, h);
-    result.is_transmitted = u_event >= reflection_probability(cos_facet, eta);
-    result.wi = result.is_transmitted && parameters_.is_volume ? refract_at(wo, h, eta) : reflect_at(wo, h);
-    if (result.is_transmitted && !parameters_.is_volume) result.wi = mirror_z(result.wi);
+    const bool reflects = u_choice < reflection_probability(cos_facet, eta);
+    if (is_delta()) {
+      result = sample_delta(wo, eta, p_diffuse, reflects, mode);
+    } else {
+      result.is_transmitted = !reflects;
+      result.wi = !reflects && parameters_.is_volume ? refract_at(wo, h, eta) : reflect_at(wo, h);
+      if (!reflects && !parameters_.is_volume) result.wi = mirror_z(result.wi);
+    }
   }
   if (result.is_transmitted ? result.wi.z >= 0 : result.wi.z <= 0) return {};
   if (wo_material.z < 0) result.wi = mirror_z(result.wi);

@@ -7,6 +7,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 
 #include "reference/fresnel.hpp"
 #include "reference/microfacet.hpp"
@@ -29,6 +30,9 @@ struct BsdfParameters {
   bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
+  /// fresnel_dielectric_average(ior), for callers that know it: its quadrature takes longer than all the
+  /// rest.
+  std::optional<double> fresnel_average = std::nullopt;
 };
 
 /// A sampled direction.
@@ -54,10 +58,10 @@ class Bsdf {
   /// renormalized). The reverse density is pdf(wi, wo).
   double pdf(const glm::dvec3& wo, const glm::dvec3& wi) const;
 
-  /// Draws wi. `u_lobe` decides diffuse against specular, `u_event` reflection against transmission, `u` the
-  /// direction; all uniform in [0, 1).
-  BsdfSample sample(const glm::dvec3& wo, double u_lobe, double u_event, const glm::dvec3& u,
-                    TransportMode mode) const;
+  /// Draws wi; all numbers uniform in [0, 1). `u_lobe` decides diffuse (below diffuse_probability()) against
+  /// specular; rescaled, it decides what is discrete about the visible normal, and what then remains
+  /// reflection (below its probability) against transmission. `u` gives the direction.
+  BsdfSample sample(const glm::dvec3& wo, double u_lobe, const glm::dvec2& u, TransportMode mode) const;
 
   /// Probability of the diffuse lobe seen from wo.
   double diffuse_probability(const glm::dvec3& wo) const;
@@ -67,6 +71,9 @@ class Bsdf {
 
   /// True if the specular lobes are delta events.
   bool is_delta() const { return parameters_.alpha == glm::dvec2(0); }
+
+  /// True if some lobe is not a delta: something that connections and merges can use.
+  bool has_finite_lobe() const { return !is_delta() || diffuse_scale_ != glm::dvec3(0); }
 
   const BsdfParameters& parameters() const { return parameters_; }
 

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "reference/quadrature.hpp"
+#include "reference/sampling.hpp"
 
 namespace regulus::reference {
 
@@ -75,54 +76,59 @@ double masking_v_cavity(const dvec3& w, const dvec3& h) {
   return std::min(1.0, 2 * h.z * std::abs(w.z) / std::abs(dot(w, h)));
 }
 
-/// Heitz and d'Eon 2014, supplemental, "Beckmann": slopes of the visible normals of a surface of roughness 1
-/// seen from wo in the xz plane. The distribution function of the x slope s is inverted by bisection:
-/// C(s) = int_-inf^s (cos_o - t sin_o) exp(-t^2) / sqrt(pi) dt, up to s = cot(theta_o); y slopes are
-/// unmasked.
-dvec2 sample_beckmann_slopes(double cos_o, double sin_o, const dvec2& u) {
-  const auto area = [&](double s) {
-    return cos_o * 0.5 * std::erfc(-s) + sin_o * std::exp(-s * s) / (2 * SQRT_PI);
-  };
-  const double largest = std::min(sin_o > 0 ? cos_o / sin_o : 10.0, 10.0);
-  const auto invert = [](const auto& cumulative, double target, double low, double high) {
-    for (int step = 0; step < 80; ++step) {
-      const double middle = 0.5 * (low + high);
-      (cumulative(middle) < target ? low : high) = middle;
-    }
-    return 0.5 * (low + high);
-  };
-  const double x = invert(area, u.x * area(largest), -10, largest);
-  const double y = invert([](double s) { return 0.5 * std::erfc(-s); }, u.y, -10, 10);
-  return {x, y};
+/// Splits a uniform number at `probability`: true below it. What remains is rescaled to [0, 1).
+bool choose(double probability, double& u_choice) {
+  const bool is_chosen = u_choice < probability;
+  u_choice = is_chosen ? u_choice / probability : (u_choice - probability) / (1 - probability);
+  return is_chosen;
 }
 
-dvec3 sample_visible_beckmann(const dvec2& alpha, const dvec3& wo, const dvec2& u) {
-  const dvec3 stretched = normalize(dvec3(alpha * dvec2(wo), wo.z));
-  const double sin_o = std::hypot(stretched.x, stretched.y);
-  const dvec2 azimuth = sin_o > 0 ? dvec2(stretched) / sin_o : dvec2(1, 0);
-  const dvec2 slopes = sample_beckmann_slopes(stretched.z, sin_o, u);
-  const dvec2 turned(azimuth.x * slopes.x - azimuth.y * slopes.y,
-                     azimuth.y * slopes.x + azimuth.x * slopes.y);
+/// The x slope of a visible facet of a Beckmann surface of roughness 1, seen in the xz plane from a direction
+/// of cotangent a: density proportional to max(a - x, 0) exp(-x^2) (Heitz and d'Eon 2014, supplemental). The
+/// distance r = |x| from 0 has density 2 a exp(-r^2) up to a and (a + r) exp(-r^2) beyond, so it is drawn
+/// from three pieces with the integrals below, each divided by a, and then the sign.
+double sample_beckmann_slope(double a, double u, double& u_choice) {
+  const double inner = SQRT_PI * std::erf(a);
+  const double gauss = inner + 0.5 * SQRT_PI * std::erfc(a);
+  const double rayleigh = 0.5 * std::exp(-a * a) / a;
+  const double target = u * (gauss + rayleigh);
+  if (target < inner) {
+    const double r = erf_inverse(target / SQRT_PI);
+    return choose(0.5 * (1 - r / a), u_choice) ? r : -r;
+  }
+  if (target < gauss) return -erfc_inverse((gauss - target) * 2 / SQRT_PI);
+  return -std::sqrt(a * a - std::log1p(-(target - gauss) / rayleigh));
+}
+
+dvec3 sample_visible_beckmann(const dvec2& alpha, const dvec3& wo, const dvec2& u, double& u_choice) {
+  const dvec2 stretched = alpha * dvec2(wo);
+  const double radius = std::hypot(stretched.x, stretched.y);
+  const dvec2 azimuth = radius > 0 ? stretched / radius : dvec2(1, 0);
+  const double cotangent = std::clamp(wo.z / std::max(radius, 1e-15), 1e-7, 1e9);
+  const double x = sample_beckmann_slope(cotangent, u.x, u_choice);
+  const double y = erf_inverse(2 * u.y - 1);
+  const dvec2 turned(azimuth.x * x - azimuth.y * y, azimuth.y * x + azimuth.x * y);
   return normalize(dvec3(-alpha * turned, 1));
 }
 
 /// Dupuy and Benyoub 2023: the reflected direction is uniform on a spherical cap.
 dvec3 sample_visible_ggx(const dvec2& alpha, const dvec3& wo, const dvec2& u) {
   const dvec3 stretched = normalize(dvec3(alpha * dvec2(wo), wo.z));
-  const double phi = 2 * pi * u.x;
-  const double z = (1 - u.y) * (1 + stretched.z) - stretched.z;
+  const double phi = 2 * pi * u.y;
+  const double z = 1 - u.x * (1 + stretched.z);
   const double sin_theta = std::sqrt(std::clamp(1 - z * z, 0.0, 1.0));
   const dvec3 h = dvec3(sin_theta * std::cos(phi), sin_theta * std::sin(phi), z) + stretched;
   return normalize(dvec3(alpha * dvec2(h), std::max(0.0, h.z)));
 }
 
 /// A V-cavity shows its two facets, h and its mirror image, in proportion to their projected areas.
-dvec3 sample_visible_v_cavity(const Microsurface& surface, const dvec3& wo, const dvec3& u) {
-  const dvec3 h = sample_distribution(surface, {u.x, u.y});
+dvec3 sample_visible_v_cavity(const Microsurface& surface, const dvec3& wo, const dvec2& u,
+                              double& u_choice) {
+  const dvec3 h = sample_distribution(surface, u);
   const dvec3 mirrored(-h.x, -h.y, h.z);
   const double seen = std::max(0.0, dot(wo, h));
   const double seen_mirrored = std::max(0.0, dot(wo, mirrored));
-  return u.z * (seen + seen_mirrored) < seen ? h : mirrored;
+  return choose(seen / (seen + seen_mirrored), u_choice) ? h : mirrored;
 }
 
 }  // namespace
@@ -187,26 +193,26 @@ double visible_normal_pdf(const Microsurface& surface, const dvec3& wo, const dv
   return masking(model, wo, h) * distribution(model, h) * std::max(0.0, dot(wo, h)) / wo.z;
 }
 
-dvec3 sample_visible_normal(const Microsurface& surface, const dvec3& wo, const dvec3& u) {
+dvec3 sample_visible_normal(const Microsurface& surface, const dvec3& wo, const dvec2& u, double& u_choice) {
   const Microsurface model = visible_normal_model(surface);
-  if (model.shadowing == SHADOWING_V_CAVITY) return sample_visible_v_cavity(model, wo, u);
-  if (model.ndf == NDF_GGX) return sample_visible_ggx(model.alpha, wo, {u.x, u.y});
-  return sample_visible_beckmann(model.alpha, wo, {u.x, u.y});
+  if (model.shadowing == SHADOWING_V_CAVITY) return sample_visible_v_cavity(model, wo, u, u_choice);
+  if (model.ndf == NDF_GGX) return sample_visible_ggx(model.alpha, wo, u);
+  return sample_visible_beckmann(model.alpha, wo, u, u_choice);
 }
 
 dvec3 sample_distribution(const Microsurface& surface, const dvec2& u) {
-  const double phi = 2 * pi * u.x;
+  const double phi = 2 * pi * u.y;
   double tan2 = 0;  // of the isotropic distribution with roughness 1 (GGX, Beckmann) or alpha (Cosine)
   dvec2 stretch = surface.alpha;
   switch (surface.ndf) {
     case NDF_GGX:
-      tan2 = u.y / (1 - u.y);
+      tan2 = u.x / (1 - u.x);
       break;
     case NDF_BECKMANN:
-      tan2 = -std::log1p(-u.y);
+      tan2 = -std::log1p(-u.x);
       break;
     default:
-      tan2 = std::expm1(-2 / (cosine_exponent(surface.alpha.x) + 2) * std::log1p(-u.y));
+      tan2 = std::expm1(-2 / (cosine_exponent(surface.alpha.x) + 2) * std::log1p(-u.x));
       stretch = dvec2(1);
   }
   const double tangent = std::sqrt(tan2);

@@ -55,8 +55,11 @@ Microsurface visible_normal_model(const Microsurface& surface);
 /// wo.z > 0.
 double visible_normal_pdf(const Microsurface& surface, const glm::dvec3& wo, const glm::dvec3& h);
 
-/// A normal with density visible_normal_pdf(). `u` uniform in [0, 1)^3; the third is used by V-cavities only.
-glm::dvec3 sample_visible_normal(const Microsurface& surface, const glm::dvec3& wo, const glm::dvec3& u);
+/// A normal with density visible_normal_pdf(). `u` uniform in [0, 1)^2; `u_choice`, uniform in [0, 1),
+/// decides what is discrete, and what remains of it is uniform again (the walk takes its next choice from
+/// it).
+glm::dvec3 sample_visible_normal(const Microsurface& surface, const glm::dvec3& wo, const glm::dvec2& u,
+                                 double& u_choice);
 
 /// A normal with density D(h) h.z.
 glm::dvec3 sample_distribution(const Microsurface& surface, const glm::dvec2& u);

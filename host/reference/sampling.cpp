@@ -41,4 +41,27 @@ dvec2 sample_triangle(const dvec2& u) {
   return {u.x - 0.5 * u.y, 0.5 * u.y};
 }
 
+double erfc_inverse(double complement) {
+  double low = 0;
+  double high = 30;  // erfc(30) underflows
+  for (int step = 0; step < 64; ++step) {
+    const double middle = 0.5 * (low + high);
+    (std::erfc(middle) > complement ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+double erf_inverse(double y) {
+  const double magnitude = erfc_inverse(1 - std::abs(y));
+  return y < 0 ? -magnitude : magnitude;
+}
+
+Basis::Basis(const dvec3& n) : normal(n) {
+  const double side = n.z < 0 ? -1 : 1;
+  const double a = -1 / (side + n.z);
+  const double b = n.x * n.y * a;
+  tangent = dvec3(1 + side * n.x * n.x * a, side * b, -side * n.x);
+  bitangent = dvec3(b, side + n.y * n.y * a, -n.y);
+}
+
 }  // namespace regulus::reference

@@ -22,4 +22,22 @@ glm::dvec3 sample_cone(const glm::dvec2& u, double cos_max);
 /// Heitz 2019, A Low-Distortion Map Between Triangle and Square.
 glm::dvec2 sample_triangle(const glm::dvec2& u);
 
+/// x with erf(x) = y, |y| < 1. Found by bisection of the library's erf; absolute error below 1e-15.
+double erf_inverse(double y);
+
+/// x >= 0 with erfc(x) = complement, complement in (0, 1]: accurate where erf(x) is near 1.
+double erfc_inverse(double complement);
+
+/// Tangents that complete a unit normal to a right-handed orthonormal basis.
+/// Duff et al. 2017, Building an Orthonormal Basis, Revisited.
+struct Basis {
+  glm::dvec3 tangent, bitangent, normal;
+
+  explicit Basis(const glm::dvec3& unit_normal);
+  glm::dvec3 to_local(const glm::dvec3& w) const {
+    return {dot(w, tangent), dot(w, bitangent), dot(w, normal)};
+  }
+  glm::dvec3 to_world(const glm::dvec3& w) const { return w.x * tangent + w.y * bitangent + w.z * normal; }
+};
+
 }  // namespace regulus::reference

@@ -61,8 +61,8 @@ BsdfCase random_case(Kind kind, const Model& model, double smallest_alpha, Rando
   c.u = {random.index(1u << 24) * 0x1p-24, random.index(1u << 24) * 0x1p-24};
   if (random.uniform() < 0.7) {
     const ReferenceCase r = reference_case(c, model);
-    const BsdfSample sample = r.bsdf.sample(r.wo, random.uniform(), random.uniform(), random.cube(),
-                                            reference::TransportMode::Radiance);
+    const BsdfSample sample =
+        r.bsdf.sample(r.wo, random.uniform(), random.square(), reference::TransportMode::Radiance);
     if (sample.is_valid) c.wi = mirrored_if_back(sample.wi, c);
   }
   return c;
@@ -305,8 +305,8 @@ TEST(BsdfDelta, EventsMatchTheReference) {
       const ReferenceCase r = reference_case(c, model);
       const bool is_transmitted = (sampled.flags & BSDF_SAMPLED_TRANSMITTED) != 0;
       const BsdfSample expected =
-          r.bsdf.sample(r.wo, std::nextafter(1.0, 0.0), is_transmitted ? std::nextafter(1.0, 0.0) : 0.0,
-                        dvec3(0.5), r.mode);
+          r.bsdf.sample(r.wo, is_transmitted ? std::nextafter(1.0, 0.0) : r.bsdf.diffuse_probability(r.wo),
+                        dvec2(0.5), r.mode);
       ASSERT_TRUE(expected.is_valid && expected.is_delta && expected.is_transmitted == is_transmitted);
       const dvec3 wi = mirrored_if_back(expected.wi, c);
       // Refraction near the critical angle: cos_t has the error of sin^2 divided by 2 cos_t.

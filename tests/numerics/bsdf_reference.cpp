@@ -151,7 +151,8 @@ TEST(Microfacet, SampledNormalsHaveTheirDensity) {
         const dvec3 wo = direction(theta, 0.8);
         dvec3 sum(0), squares(0);
         for (int i = 0; i < SAMPLES; ++i) {
-          const dvec3 value = image(sample_visible_normal(surface, wo, random.cube()));
+          double u_choice = random.uniform();
+          const dvec3 value = image(sample_visible_normal(surface, wo, random.square(), u_choice));
           sum += value;
           squares += value * value;
         }
@@ -330,7 +331,7 @@ TEST(Slab, SmoothThickSlabTransmitsTheSeriesOfInterreflections) {
   const Bsdf bsdf(parameters);
   const auto event = [&](const dvec3& wo, bool reflects) {
     const double u_event = reflects ? 0 : std::nextafter(1.0, 0.0);
-    return bsdf.sample(wo, 0.5, u_event, dvec3(0.5), TransportMode::Radiance);
+    return bsdf.sample(wo, u_event, dvec2(0.5), TransportMode::Radiance);
   };
   for (const double theta : {0.0, 0.5, 1.2}) {
     const dvec3 wo = direction(theta);
@@ -356,13 +357,13 @@ TEST(Delta, StraightThroughThinWallAndTotalReflection) {
   parameters.transmission = 1;
   parameters.base_color = dvec3(0.25, 0.5, 1);
   const dvec3 wo = direction(0.9);
-  const BsdfSample thin = Bsdf(parameters).sample(wo, 0.5, 0.999999, dvec3(0.1), TransportMode::Radiance);
+  const BsdfSample thin = Bsdf(parameters).sample(wo, 0.999999, dvec2(0.1), TransportMode::Radiance);
   ASSERT_TRUE(thin.is_valid && thin.is_transmitted && thin.is_delta);
   EXPECT_EQ(thin.wi, -wo);
   EXPECT_NEAR(thin.weight.x * thin.pdf_forward, 0.25 * (1 - fresnel_dielectric(wo.z, 1.5)), 1e-14);
   parameters.is_volume = true;
   const BsdfSample total =
-      Bsdf(parameters).sample({wo.x, wo.y, -wo.z}, 0.5, 0.999999, dvec3(0.1), TransportMode::Radiance);
+      Bsdf(parameters).sample({wo.x, wo.y, -wo.z}, 0.999999, dvec2(0.1), TransportMode::Radiance);
   ASSERT_TRUE(total.is_valid && !total.is_transmitted);
   EXPECT_NEAR(total.weight.y * total.pdf_forward, 1, 1e-14);
 }

@@ -2,31 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
-#include "bvh/scene_bvh.hpp"
 #include "support/device.hpp"
 #include "support/random.hpp"
 
 namespace regulus::test {
-
-namespace fs = std::filesystem;
-
-PreparedScene prepare(const fs::path& path) {
-  PreparedScene prepared{scene::load(path), {}};
-  prepared.bvh = bvh::build_for_scene(prepared.scene);
-  return prepared;
-}
-
-PreparedScene prepare(const GltfScene& scene) {
-  const TemporaryFolder folder;
-  const fs::path path = folder / "scene.gltf";
-  scene.write(path);
-  PreparedScene prepared = prepare(path);
-  for (const std::string& warning : prepared.scene.warnings)
-    ADD_FAILURE() << "warning of the loader: " << warning;
-  return prepared;
-}
 
 Rendered render(const PreparedScene& prepared, const render::RenderSettings& settings) {
   render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
@@ -67,19 +46,6 @@ std::vector<image::Image> render_batches(const PreparedScene& prepared, render::
 
 bool is_slow_device() {
   return device()->info().name.find("SwiftShader") != std::string::npos;
-}
-
-nlohmann::json expected_of(const fs::path& gltf) {
-  std::ifstream file(gltf);
-  return nlohmann::json::parse(file).at("scenes").at(0).at("extras").at("regulus_expected");
-}
-
-fs::path own_scenes() {
-  return fs::path(REGULUS_SOURCE_DIR) / "scenes";
-}
-
-fs::path assets() {
-  return REGULUS_ASSETS_DIR;
 }
 
 }  // namespace regulus::test

@@ -7,20 +7,11 @@
 
 #include "bvh/bvh.hpp"
 #include "image/image.hpp"
-#include "images/support/gltf_scene.hpp"
+#include "images/support/prepared_scene.hpp"
 #include "render/renderer.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::test {
-
-/// A scene that is ready for a renderer.
-struct PreparedScene {
-  scene::Scene scene;
-  bvh::Bvh bvh;
-};
-
-PreparedScene prepare(const std::filesystem::path& path);
-PreparedScene prepare(const GltfScene& scene);
 
 struct Rendered {
   render::Film film;
@@ -44,12 +35,5 @@ std::vector<image::Image> render_batches(const PreparedScene& prepared, render::
 
 /// True on a device so slow that tests take fewer samples (SwiftShader).
 bool is_slow_device();
-
-/// An entry of scenes[0].extras.regulus_expected of a scene of ours.
-nlohmann::json expected_of(const std::filesystem::path& gltf);
-
-/// The folder of our own scenes and of the real assets.
-std::filesystem::path own_scenes();
-std::filesystem::path assets();
 
 }  // namespace regulus::test

@@ -1,0 +1,30 @@
+// `render --backend reference`: the same scene and settings by the scalar reference.
+#pragma once
+
+#include <functional>
+
+#include "bvh/bvh.hpp"
+#include "image/image.hpp"
+#include "reference/renderer.hpp"
+#include "render/settings.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::cli {
+
+/// The reference's settings for a render's.
+/// @throws regulus::Error (BadUsage) for what the reference does not do: connections to the cache
+reference::Settings reference_settings(const render::RenderSettings& settings);
+
+/// A render by the reference: the mean image and the iterations (samples of every pixel) in it.
+struct ReferenceRender {
+  image::Image image;
+  uint32_t samples = 0;
+};
+
+/// Renders on all processors until done or `progress` returns false; called with paths done and in all. Scene
+/// and tree as for render::Renderer.
+ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh& bvh,
+                                      const render::RenderSettings& settings,
+                                      const std::function<bool(uint64_t done, uint64_t total)>& progress);
+
+}  // namespace regulus::cli

@@ -1,0 +1,134 @@
+#include "reference/estimator.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using namespace interface;
+
+namespace {
+
+/// Numbers for the lens point of a splat from the light walk's vertex after `edges` edges.
+dvec2 lens_sample(const Settings& settings, uint32_t index, uint32_t iteration, size_t edges) {
+  if (edges == 0) {
+    const glm::dvec4 u = random_block(settings, index, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
+    return {u.z, u.w};
+  }
+  const auto block = DIMENSION_BLOCK_SPLAT + static_cast<uint32_t>(edges) - 1;
+  const glm::dvec4 u = random_block(settings, index, iteration, block);
+  return {u.x, u.y};
+}
+
+}  // namespace
+
+LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius)
+    : subpaths_(std::move(subpaths)), radius_(radius) {
+  if (!(radius > 0)) return;
+  for (uint32_t i = 0; i < subpaths_.size(); ++i)
+    for (uint32_t m = 1; m <= subpaths_[i].vertices.size(); ++m)
+      if (subpaths_[i].vertices[m - 1].bsdf.has_finite_lobe())
+        cells_[key_of(cell_of(subpaths_[i].vertices[m - 1].surface.position))].push_back({i, m});
+}
+
+glm::ivec3 LightCache::cell_of(const dvec3& point) const {
+  return glm::ivec3(glm::floor(point / radius_));
+}
+
+uint64_t LightCache::key_of(const glm::ivec3& cell) {
+  // 21 bits an axis: far cells may share a key, which costs a distance test and nothing else.
+  const auto bits = [](int coordinate) { return static_cast<uint64_t>(coordinate) & 0x1FFFFF; };
+  return bits(cell.x) | bits(cell.y) << 21 | bits(cell.z) << 42;
+}
+
+std::vector<LightCache::Reference> LightCache::near(const dvec3& point) const {
+  std::vector<Reference> found;
+  const glm::ivec3 center = cell_of(point);
+  for (int i = 0; i < 27; ++i) {
+    const auto cell = cells_.find(key_of(center + glm::ivec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+    if (cell == cells_.end()) continue;
+    for (const Reference& reference : cell->second) {
+      const dvec3& position = subpaths_[reference.subpath].vertices[reference.edges - 1].surface.position;
+      if (length(position - point) < radius_) found.push_back(reference);
+    }
+  }
+  std::sort(found.begin(), found.end(), [](const Reference& a, const Reference& b) {
+    return std::pair(a.subpath, a.edges) < std::pair(b.subpath, b.edges);
+  });
+  return found;
+}
+
+double Estimator::merge_radius(uint32_t sample) const {
+  return settings_.merge_radius * std::pow(sample + 1.0, -settings_.merge_reduction);
+}
+
+TechniqueSet Estimator::techniques(uint32_t sample) const {
+  const double radius = merge_radius(sample);
+  return {settings_.techniques, static_cast<double>(settings_.paths_per_iteration()), 1,
+          std::numbers::pi * radius * radius};
+}
+
+bool Estimator::needs_light_subpaths() const {
+  return (settings_.techniques & (TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0 &&
+         !world_.scene().lights.empty();
+}
+
+void Estimator::emit(std::optional<SampledPath> sampled, const TechniqueSet& set,
+                     const ContributionSink& sink) const {
+  if (!sampled) return;
+  Contribution contribution;
+  contribution.techniques = list_techniques(sampled->path, set);
+  const Technique* used = find_technique(contribution.techniques, sampled->technique, sampled->vertex);
+  if (used == nullptr) return;
+  contribution.weight = mis_weight(contribution.techniques, *used);
+  contribution.unweighted = unweighted_contribution(sampled->path, *used) / sampled->survival;
+  contribution.sampled = std::move(*sampled);
+  sink(contribution);
+}
+
+void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache* cache,
+                              const ContributionSink& sink) const {
+  const TechniqueSet set = techniques(sample);
+  const bool has_lights = !world_.scene().lights.empty();
+  const CameraSubpath camera = walk_from_camera(world_, camera_, settings_, pixel, sample);
+  for (size_t edges = 1; edges <= camera.vertices.size(); ++edges) {
+    if ((set.bits & TECHNIQUE_HIT) != 0) emit(hit_light(world_, camera, edges), set, sink);
+    const size_t light_edges_left = settings_.max_depth - edges;  // of a connection, plus its own
+    if ((set.bits & TECHNIQUE_NEE) != 0 && has_lights && light_edges_left >= 1) {
+      const auto bounce = static_cast<uint32_t>(edges - 1);
+      const glm::dvec4 u =
+          random_block(settings_, pixel, sample,
+                       DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_LIGHT);
+      const LightPoint point =
+          sample_light_point(world_, select_light(world_.scene(), {u.x, u.y}), {u.z, u.w});
+      emit(connect_to_light(world_, point, camera, edges), set, sink);
+    }
+    if (cache == nullptr) continue;
+    if ((set.bits & TECHNIQUE_CONNECT) != 0) {
+      const LightSubpath& light = cache->subpaths()[pixel % cache->subpaths().size()];
+      for (size_t m = 1; m <= light.vertices.size() && m + 1 <= light_edges_left; ++m)
+        emit(connect_vertices(world_, light, m, camera, edges), set, sink);
+    }
+    if ((set.bits & TECHNIQUE_MERGE) != 0) {
+      for (const auto [subpath, m] : cache->near(camera.vertices[edges - 1].surface.position))
+        if (m <= light_edges_left)
+          emit(merge_vertices(cache->subpaths()[subpath], m, camera, edges), set, sink);
+    }
+  }
+}
+
+void Estimator::light_sample(const LightSubpath& light, uint32_t index, uint32_t sample,
+                             const ContributionSink& sink) const {
+  if ((settings_.techniques & TECHNIQUE_SPLAT) == 0) return;
+  const TechniqueSet set = techniques(sample);
+  for (size_t edges = 0; edges <= light.vertices.size() && edges + 1 <= settings_.max_depth; ++edges) {
+    const dvec2 u_lens = lens_sample(settings_, index, sample, edges);
+    emit(connect_to_lens(world_, camera_, light, edges, u_lens), set, sink);
+  }
+}
+
+}  // namespace regulus::reference

@@ -1,0 +1,83 @@
+// The estimators: every path that one camera walk and the iteration's light walks find, each with its full
+// contribution f_k / (n p) and its weight by definition. Brute force, for any set of techniques.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <unordered_map>
+#include <vector>
+
+#include "reference/subpaths.hpp"
+#include "reference/techniques.hpp"
+
+namespace regulus::reference {
+
+/// A path that was found, and what it is worth.
+struct Contribution {
+  SampledPath sampled;
+  std::vector<Technique> techniques;  ///< all that can find the path
+  double weight = 0;                  ///< of the one that did
+  glm::dvec3 unweighted{0};           ///< f_k / (n p), roulette divided out
+
+  glm::dvec3 value() const { return weight * unweighted; }
+};
+
+using ContributionSink = std::function<void(const Contribution&)>;
+
+/// Light walks of one iteration, and their vertices by place.
+class LightCache {
+ public:
+  /// `radius` > 0: vertices can be looked up by place.
+  LightCache(std::vector<LightSubpath> subpaths, double radius);
+
+  struct Reference {
+    uint32_t subpath;
+    uint32_t edges;  ///< the vertex is subpaths()[subpath].vertices[edges - 1]
+  };
+
+  const std::vector<LightSubpath>& subpaths() const { return subpaths_; }
+
+  /// Vertices within the radius of a point, in the order of their walks.
+  std::vector<Reference> near(const glm::dvec3& point) const;
+
+ private:
+  glm::ivec3 cell_of(const glm::dvec3& point) const;
+  static uint64_t key_of(const glm::ivec3& cell);
+
+  std::vector<LightSubpath> subpaths_;
+  double radius_;
+  std::unordered_map<uint64_t, std::vector<Reference>> cells_;
+};
+
+/// The paths of one sample of a pixel or of one light walk.
+class Estimator {
+ public:
+  Estimator(const World& world, const Camera& camera, const Settings& settings)
+      : world_(world), camera_(camera), settings_(settings) {}
+
+  /// Radius of merges in the iteration of a sample: merge_radius (i + 1)^-merge_reduction.
+  double merge_radius(uint32_t sample) const;
+
+  /// The techniques with the sample counts of that iteration.
+  TechniqueSet techniques(uint32_t sample) const;
+
+  /// Hits, light samples, connections and merges of a camera walk. `cache` may be null if nothing needs it.
+  void camera_sample(uint32_t pixel, uint32_t sample, const LightCache* cache,
+                     const ContributionSink& sink) const;
+
+  /// Splats of a light walk; `index` and `sample` are its own.
+  void light_sample(const LightSubpath& light, uint32_t index, uint32_t sample,
+                    const ContributionSink& sink) const;
+
+  /// True if some technique starts from lights.
+  bool needs_light_subpaths() const;
+
+ private:
+  void emit(std::optional<SampledPath> sampled, const TechniqueSet& set, const ContributionSink& sink) const;
+
+  const World& world_;
+  const Camera& camera_;
+  const Settings& settings_;
+};
+
+}  // namespace regulus::reference

@@ -1,0 +1,145 @@
+#include "reference/lights.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "reference/sampling.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using std::numbers::pi;
+using namespace interface;
+
+namespace {
+
+const Light& light_of(const World& world, const LightPoint& point) {
+  return world.scene().lights[point.light];
+}
+
+/// Integral of the falloff over the cosine, cut into the inner cone and what surrounds it.
+struct SpotMass {
+  double falloff, inner;
+  double total() const { return falloff + inner; }
+};
+
+SpotMass spot_mass(const Light& light) {
+  return {(double{light.cos_inner} - light.cos_outer) / 3, 1 - double{light.cos_inner}};
+}
+
+/// Cosine with the axis, density spot_falloff / total mass, by inversion.
+double sample_spot_cosine(const Light& light, double u) {
+  const SpotMass mass = spot_mass(light);
+  const double target = u * mass.total();
+  if (target < mass.falloff)
+    return light.cos_outer + std::cbrt(target / mass.falloff) * (double{light.cos_inner} - light.cos_outer);
+  return light.cos_inner + (target - mass.falloff);
+}
+
+dvec3 sample_spot_direction(const Light& light, const dvec2& u) {
+  const double cosine = std::clamp(sample_spot_cosine(light, u.x), -1.0, 1.0);
+  const double sine = std::sqrt(1 - cosine * cosine);
+  const double azimuth = 2 * pi * u.y;
+  return Basis(dvec3(light.direction)).to_world({sine * std::cos(azimuth), sine * std::sin(azimuth), cosine});
+}
+
+dvec3 sample_triangle_direction(const World& world, const Surface& surface, dvec2 u) {
+  dvec3 normal = surface.geometric_normal;
+  if (world.emits_from_both_sides(surface)) {
+    const bool is_front = u.x < 0.5;
+    u.x = is_front ? 2 * u.x : 2 * u.x - 1;
+    if (!is_front) normal = -normal;
+  }
+  return Basis(normal).to_world(sample_cosine_hemisphere(u));
+}
+
+}  // namespace
+
+uint32_t select_light(const scene::Scene& scene, const dvec2& u) {
+  const auto count = static_cast<uint32_t>(scene.lights.size());
+  if (count == 1) return 0;
+  const float bucket = static_cast<float>(u.x) * static_cast<float>(count);
+  const uint32_t index = std::min(static_cast<uint32_t>(bucket), count - 1);
+  const LightAlias& entry = scene.light_aliases[index];
+  return u.y < entry.threshold ? index : entry.alias;
+}
+
+LightPoint sample_light_point(const World& world, uint32_t index, const dvec2& u) {
+  const Light& light = world.scene().lights[index];
+  LightPoint point;
+  point.light = index;
+  point.kind = light.kind;
+  if (point.is_triangle())
+    point.surface = world.surface_at(light.triangle, sample_triangle(u));
+  else
+    point.surface.position = light.position;
+  return point;
+}
+
+std::optional<LightPoint> light_point_at(const Surface& surface) {
+  if (surface.light == INVALID_INDEX) return std::nullopt;
+  return LightPoint{surface.light, LIGHT_TRIANGLE, surface};
+}
+
+double light_point_pdf(const World& world, const LightPoint& point) {
+  const double selection = light_of(world, point).selection_pdf;
+  return point.is_triangle() ? selection / point.surface.area : selection;
+}
+
+double spot_falloff(const Light& light, double cos_angle) {
+  const double width = double{light.cos_inner} - light.cos_outer;
+  const double linear = std::clamp((cos_angle - light.cos_outer) / width, 0.0, 1.0);
+  return linear * linear;
+}
+
+dvec3 emitted(const World& world, const LightPoint& point, const dvec3& direction) {
+  const Light& light = light_of(world, point);
+  if (point.is_triangle()) {
+    const double cosine = dot(direction, point.surface.geometric_normal);
+    const bool emits = cosine > 0 || (cosine < 0 && world.emits_from_both_sides(point.surface));
+    return emits ? world.emission_at(point.surface) : dvec3(0);
+  }
+  const dvec3 intensity(light.intensity);
+  return light.kind == LIGHT_SPOT ? intensity * spot_falloff(light, dot(direction, dvec3(light.direction)))
+                                  : intensity;
+}
+
+RayDensity emission_density(const World& world, const LightPoint& point, const dvec3& direction) {
+  const Light& light = light_of(world, point);
+  switch (light.kind) {
+    case LIGHT_TRIANGLE: {
+      const double cosine = dot(direction, point.surface.geometric_normal);
+      if (world.emits_from_both_sides(point.surface)) return {std::abs(cosine) / (2 * pi)};
+      return {std::max(cosine, 0.0) / pi};
+    }
+    case LIGHT_SPOT:
+      return {spot_falloff(light, dot(direction, dvec3(light.direction))) /
+              (2 * pi * spot_mass(light).total())};
+    case LIGHT_DIRECTIONAL:
+      return {1 / (pi * world.radius() * world.radius()), true};
+    default:
+      return {1 / (4 * pi)};
+  }
+}
+
+EmissionRay sample_emission(const World& world, const LightPoint& point, const dvec2& u_position,
+                            const dvec2& u_direction) {
+  const Light& light = light_of(world, point);
+  switch (light.kind) {
+    case LIGHT_TRIANGLE:
+      return {point.surface.position, sample_triangle_direction(world, point.surface, u_direction)};
+    case LIGHT_SPOT:
+      return {point.surface.position, sample_spot_direction(light, u_direction)};
+    case LIGHT_DIRECTIONAL: {
+      const dvec3 direction(light.direction);
+      const dvec3 on_disk = Basis(direction).to_world(dvec3(sample_disk(u_position), -1));
+      return {world.center() + world.radius() * on_disk, direction};
+    }
+    default:
+      return {point.surface.position, sample_sphere(u_direction)};
+  }
+}
+
+}  // namespace regulus::reference

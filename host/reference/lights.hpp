@@ -1,0 +1,61 @@
+// Lights in double precision: choosing one, a point on it, a direction from it, each with its density, and
+// what it emits. Radiometry as in interface::Light.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <optional>
+
+#include "reference/camera.hpp"
+#include "reference/world.hpp"
+
+namespace regulus::reference {
+
+/// A point of a light: x_0 of a path.
+struct LightPoint {
+  uint32_t light = interface::INVALID_INDEX;
+  uint32_t kind = interface::LIGHT_TRIANGLE;
+  Surface surface;  ///< triangles: all of it; point and spot lights: the position; directional: nothing
+
+  bool is_triangle() const { return kind == interface::LIGHT_TRIANGLE; }
+  bool is_directional() const { return kind == interface::LIGHT_DIRECTIONAL; }
+};
+
+/// The light that two uniform numbers choose. The bucket is found in single precision like the device's: it
+/// is a decision, and decisions have to agree. Precondition: the scene has lights.
+uint32_t select_light(const scene::Scene& scene, const glm::dvec2& u);
+
+/// A point of the light: uniform on a triangle, the position of a point or spot light.
+LightPoint sample_light_point(const World& world, uint32_t light, const glm::dvec2& u);
+
+/// The point of an emitter that a ray hit. Nothing if the surface is not a light.
+std::optional<LightPoint> light_point_at(const Surface& surface);
+
+/// Density of choosing the point, by selection and sample_light_point(): per square metre for triangles,
+/// discrete for the others. Connections and light walks choose alike (pc = pt of math.md section 1).
+double light_point_pdf(const World& world, const LightPoint& point);
+
+/// What the point emits along unit `direction` (away from it): radiance of a triangle (0 from a back face
+/// that does not emit), intensity of a point or spot light, irradiance across the rays of a directional
+/// light.
+glm::dvec3 emitted(const World& world, const LightPoint& point, const glm::dvec3& direction);
+
+/// Density with which a light walk leaves the point along `direction`: cosine-weighted for triangles (half on
+/// each side if both emit), uniform for points, in proportion to the falloff for spots, one over the area of
+/// the scene's disk for directional lights.
+RayDensity emission_density(const World& world, const LightPoint& point, const glm::dvec3& direction);
+
+/// First ray of a light walk.
+struct EmissionRay {
+  glm::dvec3 origin, direction;
+};
+
+/// Draws it with density emission_density(); `u_direction` serves the lights that have directions to choose,
+/// `u_position` places the ray of a directional light on the scene's disk.
+EmissionRay sample_emission(const World& world, const LightPoint& point, const glm::dvec2& u_position,
+                            const glm::dvec2& u_direction);
+
+/// Radiant intensity factor of a spot at this cosine with its axis: clamp((c - c_o) / (c_i - c_o))^2
+/// (KHR_lights_punctual).
+double spot_falloff(const interface::Light& light, double cos_angle);
+
+}  // namespace regulus::reference

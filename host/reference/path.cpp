@@ -1,0 +1,106 @@
+#include "reference/path.hpp"
+
+#include <cmath>
+
+#include "reference/sampling.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec3;
+
+namespace {
+
+/// |w . n_s| / |w . n_g|.
+double normal_correction(const Surface& surface, const dvec3& w) {
+  return std::abs(dot(w, surface.shading_normal) / dot(w, surface.geometric_normal));
+}
+
+/// (n_camera / n_light)^2 of a refraction: n is the index on the side of each direction.
+double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3& w_camera) {
+  const double eta = bsdf.relative_index(to_material(surface, w_camera));
+  return 1 / (eta * eta);
+}
+
+}  // namespace
+
+double geometry_term(const Path& path, size_t i) {
+  const Edge& edge = path.edges[i];
+  if (i == 0 && path.light.kind == interface::LIGHT_DIRECTIONAL) return edge.cos_camera_end;
+  return edge.cos_light_end * edge.cos_camera_end / (edge.distance * edge.distance);
+}
+
+double pdf_from_light(const Path& path, size_t i) {
+  const Edge& edge = path.edges[i - 1];
+  const RayDensity density = i == 1 ? path.light.density : RayDensity{path.vertices[i - 1].forward};
+  return density.on_surface(edge.cos_camera_end, edge.distance);
+}
+
+double pdf_from_camera(const Path& path, size_t i) {
+  const Edge& edge = path.edges[i];
+  const RayDensity density = i + 1 == path.length() ? path.camera : RayDensity{path.vertices[i + 1].reverse};
+  return density.on_surface(edge.cos_light_end, edge.distance);
+}
+
+WideColor measured_function(const Path& path) {
+  const size_t last = path.length() - 1;
+  WideColor f(path.light.emitted);
+  for (size_t i = 0; i < last; ++i) {
+    f *= static_cast<Wide>(geometry_term(path, i));
+    f *= WideColor(path.vertices[i + 1].value);
+  }
+  for (const Edge& edge : path.edges) f *= WideColor(edge.transmittance);
+  return f * static_cast<Wide>(pdf_from_camera(path, last));
+}
+
+dvec3 to_material(const Surface& surface, const dvec3& w) {
+  // Materials are isotropic: any tangents will do. (Walks have to choose theirs, see walk.cpp.)
+  return Basis(surface.shading_normal).to_local(w);
+}
+
+bool sides_agree(const Surface& surface, const dvec3& w) {
+  return dot(w, surface.geometric_normal) * dot(w, surface.shading_normal) > 0;
+}
+
+VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
+                                    const dvec3& w_camera) {
+  VertexScattering result;
+  if (!sides_agree(surface, w_light) || !sides_agree(surface, w_camera)) return result;
+  const dvec3 local_light = to_material(surface, w_light);
+  const dvec3 local_camera = to_material(surface, w_camera);
+  result.value =
+      bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
+  result.forward = bsdf.pdf(local_light, local_camera);
+  result.reverse = bsdf.pdf(local_camera, local_light);
+  return result;
+}
+
+VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
+                                      const dvec3& w_camera, const BsdfSample& sample,
+                                      TransportMode transport) {
+  if (!sample.is_delta) return scattering_between(surface, bsdf, w_light, w_camera);
+  const double cos_light = std::abs(dot(w_light, surface.shading_normal));
+  const double cos_camera = std::abs(dot(w_camera, surface.shading_normal));
+  const bool is_refracted = sample.is_transmitted && bsdf.parameters().is_volume;
+  const double index_ratio = is_refracted ? squared_index_ratio(bsdf, surface, w_camera) : 1.0;
+  const bool is_radiance = transport == TransportMode::Radiance;
+  // value cos = factor: of radiance, which is that of importance times (n_camera / n_light)^2.
+  const dvec3 factor = sample.weight * sample.pdf_forward * (is_radiance ? 1.0 : index_ratio);
+
+  VertexScattering result;
+  result.is_delta = true;
+  result.connected_ratio = 0;
+  result.value = factor / cos_light * normal_correction(surface, w_light);
+  result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;
+  // delta(w_camera) = delta(w_light) d w_light / d w_camera, by Snell's law n_l^2 cos_l dw_l = n_c^2 cos_c
+  // dw_c.
+  result.forward =
+      (is_radiance ? sample.pdf_reverse : sample.pdf_forward) * index_ratio * cos_camera / cos_light;
+  return result;
+}
+
+LightEnd light_end(const World& world, const LightPoint& point, const dvec3& direction) {
+  return {point.kind, emitted(world, point, direction), light_point_pdf(world, point),
+          emission_density(world, point, direction)};
+}
+
+}  // namespace regulus::reference

@@ -1,0 +1,92 @@
+// A finished path and its measured function, straight from the path integral (Veach 1997, chapter 8; notation
+// of Georgiev et al. 2012): x_0 on a light, x_K on the lens, K edges. All that techniques and weights need of
+// it is here; nothing depends on how the path was found.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "reference/camera.hpp"
+#include "reference/lights.hpp"
+#include "reference/world.hpp"
+
+namespace regulus::reference {
+
+/// Products over long paths leave the range of double.
+using Wide = long double;
+using WideColor = glm::vec<3, Wide>;
+
+/// Scattering at an interior vertex, for directions w_light to x_{i-1} and w_camera to x_{i+1}.
+/// A delta event carries the factors of its delta distribution with respect to the solid angle of w_light:
+/// all techniques that can find the path share the distribution itself.
+struct VertexScattering {
+  glm::dvec3 value{0};  ///< rho, 1/sr, with |w_light . n_s| / |w_light . n_g| (Veach 1997, 5.3)
+  double forward = 0;   ///< solid-angle pdf of w_camera for a walk that came from w_light
+  double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
+  bool is_delta = false;
+  /// rho_hat / rho, with rho_hat what a connection or a merge at this vertex measures: 1 if it is not
+  /// regularized, 0 if the vertex cannot be connected.
+  double connected_ratio = 1;
+};
+
+/// The edge x_i x_{i+1}. Cosines are absolute, with geometric normals; 1 at ends that are no surfaces.
+struct Edge {
+  double distance = 0;
+  double cos_light_end = 1;   ///< at x_i
+  double cos_camera_end = 1;  ///< at x_{i+1}
+  glm::dvec3 transmittance{1};
+};
+
+/// x_0 as the path sees it.
+struct LightEnd {
+  uint32_t kind = interface::LIGHT_TRIANGLE;
+  glm::dvec3 emitted{0};  ///< towards x_1, see reference::emitted()
+  double point_pdf = 0;   ///< of choosing x_0, see light_point_pdf()
+  RayDensity density;     ///< of a light walk's direction to x_1
+};
+
+/// The path.
+struct Path {
+  LightEnd light;
+  std::vector<VertexScattering> vertices;  ///< vertices[i] of x_i; 1 .. K-1, the ends unused
+  std::vector<Edge> edges;                 ///< edges[i] from x_i to x_{i+1}; K of them
+  RayDensity camera;                       ///< of camera rays towards x_{K-1}, film density 1 / px^2
+
+  size_t length() const { return edges.size(); }
+};
+
+/// G of an edge without the camera's: cos cos / d^2; for directional light, which has no x_0, cos at x_1.
+double geometry_term(const Path& path, size_t edge);
+
+/// P_i^->: density per area with which a light walk at x_{i-1} finds x_i; 1 <= i <= K-1.
+double pdf_from_light(const Path& path, size_t i);
+
+/// P_i^<-: density per area with which a camera walk at x_{i+1} finds x_i; 0 <= i <= K-1.
+double pdf_from_camera(const Path& path, size_t i);
+
+/// f of the path, all scattering unregularized: emitted * product of G, rho and transmittance * importance.
+/// The importance of one square pixel times the last edge's G is pdf_from_camera(K - 1): a film point has
+/// density 1.
+WideColor measured_function(const Path& path);
+
+/// Scattering at a surface between two unit directions that point away from it; non-delta lobes. Zero where
+/// the geometric and the shading normal disagree about the side of either.
+VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
+                                    const glm::dvec3& w_camera);
+
+/// Scattering of a walk's step: like scattering_between(), with the delta event if `sample` is one.
+/// `transport` tells what came first: Radiance, w_camera; Importance, w_light.
+VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
+                                      const glm::dvec3& w_camera, const BsdfSample& sample,
+                                      TransportMode transport);
+
+/// x_0 for a path that goes on along `direction` (the way light travels).
+LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3& direction);
+
+/// Direction w in the frame of Bsdf: z along the shading normal of the front side.
+glm::dvec3 to_material(const Surface& surface, const glm::dvec3& w);
+
+/// True if both normals see w on the same side.
+bool sides_agree(const Surface& surface, const glm::dvec3& w);
+
+}  // namespace regulus::reference

@@ -1,0 +1,121 @@
+#include "reference/renderer.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "reference/estimator.hpp"
+#include "reference/parallel.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+
+namespace {
+
+constexpr uint32_t GRAIN = 256;  // pixels or light walks that a thread takes at a time
+
+/// A splat on its way to the film.
+struct Splat {
+  dvec2 film;
+  dvec3 value;
+};
+
+/// One render in progress.
+class Render {
+ public:
+  Render(const World& world, const Settings& settings, uint32_t threads)
+      : world_(world),
+        settings_(settings),
+        threads_(threads),
+        camera_(
+            scene::make_camera(world.scene().cameras.at(settings.camera), settings.width, settings.height),
+            settings.width, settings.height),
+        estimator_(world_, camera_, settings_),
+        pixels_(settings.width * settings.height),
+        film_{settings.width, settings.height, std::vector<dvec3>(pixels_), std::vector<dvec3>(pixels_), 0} {}
+
+  void iterate(uint32_t sample) {
+    std::vector<dvec3> image(pixels_, dvec3(0));
+    std::unique_ptr<LightCache> cache;
+    if (estimator_.needs_light_subpaths()) cache = light_pass(sample, image);
+    parallel_ranges(pixels_, GRAIN, threads_, [&](uint32_t begin, uint32_t end) {
+      for (uint32_t pixel = begin; pixel < end; ++pixel)
+        estimator_.camera_sample(pixel, sample, cache.get(),
+                                 [&](const Contribution& found) { image[pixel] += found.value(); });
+    });
+    for (size_t i = 0; i < image.size(); ++i) {
+      film_.sum[i] += image[i];
+      film_.squares[i] += image[i] * image[i];
+    }
+    ++film_.iterations;
+  }
+
+  Film take_film() { return std::move(film_); }
+
+ private:
+  /// Walks from the lights; splats go to `image` in the order of the walks, whichever thread found them.
+  std::unique_ptr<LightCache> light_pass(uint32_t sample, std::vector<dvec3>& image) {
+    const uint32_t count = settings_.paths_per_iteration();
+    std::vector<LightSubpath> subpaths(count);
+    std::vector<std::vector<Splat>> splats((count + GRAIN - 1) / GRAIN);
+    parallel_ranges(count, GRAIN, threads_, [&](uint32_t begin, uint32_t end) {
+      std::vector<Splat>& mine = splats[begin / GRAIN];
+      for (uint32_t index = begin; index < end; ++index) {
+        subpaths[index] = walk_from_light(world_, settings_, index, sample);
+        estimator_.light_sample(subpaths[index], index, sample, [&](const Contribution& found) {
+          mine.push_back({found.sampled.film, found.value()});
+        });
+      }
+    });
+    for (const std::vector<Splat>& part : splats)
+      for (const Splat& splat : part) add(splat, image);
+    const bool merges = (settings_.techniques & interface::TECHNIQUE_MERGE) != 0;
+    return std::make_unique<LightCache>(std::move(subpaths), merges ? estimator_.merge_radius(sample) : 0);
+  }
+
+  /// Every pixel whose filter reaches the point takes its share.
+  void add(const Splat& splat, std::vector<dvec3>& image) const {
+    const dvec2 reach(settings_.filter.radius + 0.5);
+    const dvec2 size(settings_.width, settings_.height);
+    const glm::ivec2 first(glm::clamp(glm::floor(splat.film - reach), dvec2(0), size));
+    const glm::ivec2 last(glm::clamp(glm::ceil(splat.film + reach), dvec2(0), size));
+    for (int y = first.y; y < last.y; ++y)
+      for (int x = first.x; x < last.x; ++x)
+        image[static_cast<size_t>(y) * settings_.width + static_cast<size_t>(x)] +=
+            settings_.filter.value(splat.film - dvec2(x + 0.5, y + 0.5)) * splat.value;
+  }
+
+  const World& world_;
+  const Settings& settings_;
+  uint32_t threads_;
+  Camera camera_;
+  Estimator estimator_;
+  uint32_t pixels_;
+  Film film_;
+};
+
+}  // namespace
+
+dvec3 Film::mean(size_t pixel) const {
+  return iterations == 0 ? dvec3(0) : sum[pixel] / static_cast<double>(iterations);
+}
+
+dvec3 Film::variance_of_mean(size_t pixel) const {
+  const double n = iterations;
+  return glm::max(squares[pixel] / n - mean(pixel) * mean(pixel), dvec3(0)) / (n - 1);
+}
+
+Film render(const World& world, const Settings& settings, const IterationCallback& progress,
+            uint32_t threads) {
+  Render job(world, settings, threads);
+  for (uint32_t i = 0; i < settings.samples; ++i) {
+    job.iterate(settings.first_sample + i);
+    if (progress && !progress(i + 1, settings.samples)) break;
+  }
+  return job.take_film();
+}
+
+}  // namespace regulus::reference

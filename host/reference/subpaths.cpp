@@ -1,0 +1,151 @@
+#include "reference/subpaths.hpp"
+
+#include <cmath>
+
+namespace regulus::reference {
+
+using glm::dvec3;
+using namespace interface;
+
+namespace {
+
+Path path_of_length(size_t length) {
+  Path path;
+  path.edges.resize(length);
+  path.vertices.resize(length + 1);
+  return path;
+}
+
+/// The first `edges` edges and the vertices between them from a light walk.
+void set_light_part(Path& path, const LightSubpath& light, size_t edges) {
+  for (size_t m = 1; m <= edges; ++m) path.edges[m - 1] = light.vertices[m - 1].edge;
+  for (size_t m = 1; m < edges; ++m) path.vertices[m] = light.vertices[m - 1].scattering;
+  if (edges > 0) path.light = light.end;
+}
+
+/// The last `edges` edges and the vertices between them from a camera walk.
+void set_camera_part(Path& path, const CameraSubpath& camera, size_t edges) {
+  const size_t length = path.length();
+  for (size_t m = 1; m <= edges; ++m) path.edges[length - m] = camera.vertices[m - 1].edge;
+  for (size_t m = 1; m < edges; ++m) path.vertices[length - m] = camera.vertices[m - 1].scattering;
+  path.camera = camera.density;
+}
+
+bool is_black(const dvec3& color) {
+  return !(color.r > 0 || color.g > 0 || color.b > 0);
+}
+
+double cosine(const Surface& surface, const dvec3& w) {
+  return std::abs(dot(w, surface.geometric_normal));
+}
+
+}  // namespace
+
+std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& camera, size_t edges) {
+  const WalkVertex& last = camera.vertices[edges - 1];
+  const std::optional<LightPoint> point = light_point_at(last.surface);
+  if (!point) return std::nullopt;
+  SampledPath sampled{path_of_length(edges), TECHNIQUE_HIT, 0, last.survival};
+  set_camera_part(sampled.path, camera, edges);
+  sampled.path.light = light_end(world, *point, last.w_back);
+  if (is_black(sampled.path.light.emitted)) return std::nullopt;
+  return sampled;
+}
+
+std::optional<SampledPath> connect_to_light(const World& world, const LightPoint& point,
+                                            const CameraSubpath& camera, size_t edges) {
+  const WalkVertex& last = camera.vertices[edges - 1];
+  const bool is_directional = point.is_directional();
+  const dvec3 to_light = is_directional ? -dvec3(world.scene().lights[point.light].direction)
+                                        : point.surface.position - last.surface.position;
+  const dvec3 w = normalize(to_light);
+  SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_NEE, 1, last.survival};
+  Path& path = sampled.path;
+  set_camera_part(path, camera, edges);
+  path.light = light_end(world, point, -w);
+  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back);
+  if (is_black(path.light.emitted * path.vertices[1].value)) return std::nullopt;
+
+  Edge& edge = path.edges[0];
+  edge.distance = is_directional ? 0 : length(to_light);  // a medium has no far end to measure from
+  edge.cos_light_end = point.is_triangle() ? cosine(point.surface, w) : 1;
+  edge.cos_camera_end = cosine(last.surface, w);
+  edge.transmittance =
+      world.transmittance(world.medium_towards(last.surface, last.medium, last.w_back, w), edge.distance);
+  const bool is_visible =
+      is_directional ? !world.traversal().is_occluded(world.ray_from(last.surface, w))
+                     : world.is_visible(last.surface, point.surface.position, point.surface.triangle);
+  if (!is_visible) return std::nullopt;
+  return sampled;
+}
+
+std::optional<SampledPath> connect_vertices(const World& world, const LightSubpath& light, size_t light_edges,
+                                            const CameraSubpath& camera, size_t camera_edges) {
+  const WalkVertex& from = camera.vertices[camera_edges - 1];
+  const WalkVertex& to = light.vertices[light_edges - 1];
+  const dvec3 segment = to.surface.position - from.surface.position;
+  const dvec3 w = normalize(segment);
+  SampledPath sampled{path_of_length(light_edges + camera_edges + 1), TECHNIQUE_CONNECT, light_edges + 1,
+                      from.survival * to.survival};
+  Path& path = sampled.path;
+  set_light_part(path, light, light_edges);
+  set_camera_part(path, camera, camera_edges);
+  path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w);
+  path.vertices[light_edges + 1] = scattering_between(from.surface, from.bsdf, w, from.w_back);
+  if (is_black(path.vertices[light_edges].value * path.vertices[light_edges + 1].value)) return std::nullopt;
+
+  Edge& edge = path.edges[light_edges];
+  edge.distance = length(segment);
+  edge.cos_light_end = cosine(to.surface, w);
+  edge.cos_camera_end = cosine(from.surface, w);
+  edge.transmittance =
+      world.transmittance(world.medium_towards(from.surface, from.medium, from.w_back, w), edge.distance);
+  if (!world.is_visible(from.surface, to.surface.position, to.surface.triangle)) return std::nullopt;
+  return sampled;
+}
+
+std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, const LightSubpath& light,
+                                           size_t edges, const glm::dvec2& u_lens) {
+  if (edges == 0 && !light.point.is_triangle()) return std::nullopt;
+  const Surface& surface = edges == 0 ? light.point.surface : light.vertices[edges - 1].surface;
+  const std::optional<Camera::Projection> projection = lens.project(surface.position, u_lens);
+  if (!projection) return std::nullopt;
+  const dvec3 w = -projection->ray.direction;
+  SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_SPLAT, edges + 1, 1, projection->film};
+  Path& path = sampled.path;
+  set_light_part(path, light, edges);
+  path.camera = lens.density(projection->ray.direction);
+  uint32_t medium = INVALID_INDEX;
+  if (edges == 0) {
+    path.light = light_end(world, light.point, w);
+  } else {
+    const WalkVertex& last = light.vertices[edges - 1];
+    sampled.survival = last.survival;
+    path.vertices[edges] = scattering_between(surface, last.bsdf, last.w_back, w);
+    medium = world.medium_towards(surface, last.medium, last.w_back, w);
+  }
+  if (is_black(edges == 0 ? path.light.emitted : path.vertices[edges].value)) return std::nullopt;
+
+  Edge& edge = path.edges[edges];
+  edge.distance = length(projection->ray.origin - surface.position);
+  edge.cos_light_end = cosine(surface, w);
+  edge.transmittance = world.transmittance(medium, edge.distance);
+  if (!world.is_visible(surface, projection->ray.origin)) return std::nullopt;
+  return sampled;
+}
+
+std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t light_edges,
+                                          const CameraSubpath& camera, size_t camera_edges) {
+  const WalkVertex& at = camera.vertices[camera_edges - 1];
+  const WalkVertex& other = light.vertices[light_edges - 1];
+  SampledPath sampled{path_of_length(light_edges + camera_edges), TECHNIQUE_MERGE, light_edges,
+                      at.survival * other.survival};
+  Path& path = sampled.path;
+  set_light_part(path, light, light_edges);
+  set_camera_part(path, camera, camera_edges);
+  path.vertices[light_edges] = scattering_between(at.surface, at.bsdf, other.w_back, at.w_back);
+  if (is_black(path.vertices[light_edges].value)) return std::nullopt;
+  return sampled;
+}
+
+}  // namespace regulus::reference

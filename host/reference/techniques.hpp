@@ -1,0 +1,43 @@
+// Every way in which a set of techniques can find a given path: its sample count, density and measured
+// function, and the weight that follows from them (math.md section 3: w_k = (n_k / I_k) / sum of n / I, I =
+// f_k / p_k). This is the definition that the device's recurrences are checked against.
+#pragma once
+
+#include <vector>
+
+#include "interface/wavefront.h"
+#include "reference/path.hpp"
+
+namespace regulus::reference {
+
+/// Which techniques are on, and with how many samples.
+struct TechniqueSet {
+  uint32_t bits = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_*
+  double light_paths = 1;                                               ///< N: samples of `splat` and `merge`
+  double connections = 1;                                               ///< samples of `connect` per (s, t)
+  double merge_area = 0;                                                ///< eta_0 = pi r^2, m^2
+};
+
+/// One way to find a path.
+struct Technique {
+  uint32_t kind = interface::TECHNIQUE_HIT;  ///< TECHNIQUE_*
+  size_t vertex =
+      0;  ///< s, the number of vertices from the light; of a merge, the index j of the merged vertex
+  Wide density = 0;  ///< n p: expected number of samples per unit of path measure
+  double ratio = 1;  ///< f_k / f: product of connected_ratio over the vertices that it connects
+};
+
+/// All techniques of the set that can find the path, in the order hit, nee, connect by s, splat, merge by j.
+/// A path of one edge belongs to `hit` alone, or to `splat` where there is no `hit`.
+std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set);
+
+/// The technique of this kind and vertex, or null if it cannot find the path.
+const Technique* find_technique(const std::vector<Technique>& techniques, uint32_t kind, size_t vertex);
+
+/// Balance weight of one of the techniques: n p f / f_k over the sum of all.
+double mis_weight(const std::vector<Technique>& techniques, const Technique& used);
+
+/// What a sample of the technique contributes before the weight: f_k / (n p).
+glm::dvec3 unweighted_contribution(const Path& path, const Technique& used);
+
+}  // namespace regulus::reference

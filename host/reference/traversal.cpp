@@ -1,0 +1,127 @@
+#include "reference/traversal.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+namespace regulus::reference {
+
+using glm::dvec3;
+using namespace interface;
+
+namespace {
+
+constexpr uint32_t CHILDREN = 8;
+// Slack of the slab test, relative: boxes have a margin of their own, so only rounding has to be covered.
+constexpr double SLAB_SLACK = 1e-14;
+
+struct Box {
+  dvec3 lower, upper;
+};
+
+double plane(const BvhNode& node, uint32_t axis, bool is_upper, uint32_t slot) {
+  const uint32_t word = node.planes[4 * axis + (is_upper ? 2 : 0) + slot / 4];
+  const uint32_t q = word >> (8 * (slot % 4)) & 0xFFu;
+  const int exponent = static_cast<int>(node.exponents >> (8 * axis) & 0xFFu) - 127;
+  return node.origin[static_cast<int>(axis)] + std::ldexp(static_cast<double>(q), exponent);
+}
+
+/// Box of a child, or nothing for an empty slot (whose planes are inverted).
+std::optional<Box> child_box(const BvhNode& node, uint32_t slot) {
+  Box box{};
+  for (uint32_t axis = 0; axis < 3; ++axis) {
+    box.lower[static_cast<int>(axis)] = plane(node, axis, false, slot);
+    box.upper[static_cast<int>(axis)] = plane(node, axis, true, slot);
+  }
+  if (box.lower.x > box.upper.x || box.lower.y > box.upper.y || box.lower.z > box.upper.z)
+    return std::nullopt;
+  return box;
+}
+
+bool meets(const Ray& ray, const Box& box) {
+  double near = ray.t_min;
+  double far = ray.t_max;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (ray.direction[axis] == 0) {
+      if (ray.origin[axis] < box.lower[axis] || ray.origin[axis] > box.upper[axis]) return false;
+      continue;
+    }
+    double a = (box.lower[axis] - ray.origin[axis]) / ray.direction[axis];
+    double b = (box.upper[axis] - ray.origin[axis]) / ray.direction[axis];
+    if (a > b) std::swap(a, b);
+    near = std::max(near, a - SLAB_SLACK * std::abs(a));
+    far = std::min(far, b + SLAB_SLACK * std::abs(b));
+  }
+  return near <= far;
+}
+
+}  // namespace
+
+std::optional<Intersection> intersect(const Ray& ray, const dvec3 (&vertices)[3]) {
+  // Shear so that the ray runs along its largest component.
+  const dvec3 size = glm::abs(ray.direction);
+  const int z = size.x > size.y && size.x > size.z ? 0 : size.y > size.z ? 1 : 2;
+  const int x = (z + 1) % 3;
+  const int y = (z + 2) % 3;
+  const dvec3 shear(ray.direction[x] / ray.direction[z], ray.direction[y] / ray.direction[z],
+                    1 / ray.direction[z]);
+  dvec3 p[3];  // sheared x and y, plain z
+  for (int i = 0; i < 3; ++i) {
+    const dvec3 v = vertices[i] - ray.origin;
+    p[i] = dvec3(v[x] - shear.x * v[z], v[y] - shear.y * v[z], v[z]);
+  }
+  const auto edge = [&](int a, int b) { return p[a].x * p[b].y - p[a].y * p[b].x; };
+  const double e0 = edge(2, 1);
+  const double e1 = edge(0, 2);
+  const double e2 = edge(1, 0);
+  if (std::min({e0, e1, e2}) < 0 && std::max({e0, e1, e2}) > 0) return std::nullopt;
+  const double determinant = e0 + e1 + e2;
+  if (determinant == 0) return std::nullopt;
+  const double t = (e0 * p[0].z + e1 * p[1].z + e2 * p[2].z) * shear.z / determinant;
+  if (!(t > ray.t_min && t < ray.t_max)) return std::nullopt;
+  return Intersection{t, {e1 / determinant, e2 / determinant}, INVALID_INDEX};
+}
+
+void Traversal::intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const {
+  const uint32_t first = reference & BVH_LEAF_FIRST_MASK;
+  const uint32_t count = ((reference & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1;
+  for (uint32_t i = first; i < first + count; ++i) {
+    if (i == ray.skip_first || i == ray.skip_last) continue;
+    const BvhTriangle& triangle = tree_.triangles[i];
+    auto hit = intersect(ray, {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)});
+    if (!hit) continue;
+    hit->triangle = i;
+    ray.t_max = hit->t;
+    nearest = hit;
+  }
+}
+
+std::optional<Intersection> Traversal::run(Ray ray, bool any_hit) const {
+  std::optional<Intersection> nearest;
+  std::vector<uint32_t> stack{0};
+  while (!stack.empty() && !(any_hit && nearest)) {
+    const uint32_t reference = stack.back();
+    stack.pop_back();
+    if ((reference & BVH_LEAF_BIT) != 0) {
+      intersect_leaf(reference, ray, nearest);
+      continue;
+    }
+    const BvhNode& node = tree_.nodes[reference];
+    for (uint32_t slot = 0; slot < CHILDREN; ++slot) {
+      const std::optional<Box> box = child_box(node, slot);
+      if (box && meets(ray, *box)) stack.push_back(node.children[slot]);
+    }
+  }
+  return nearest;
+}
+
+std::optional<Intersection> Traversal::closest(const Ray& ray) const {
+  return run(ray, false);
+}
+
+bool Traversal::is_occluded(const Ray& ray) const {
+  return run(ray, true).has_value();
+}
+
+}  // namespace regulus::reference

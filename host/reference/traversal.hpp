@@ -1,0 +1,54 @@
+// Rays against triangles in double precision. The tree is the device's own, walked one ray at a time; the
+// boxes only cull, so the answer is that of testing every triangle.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <limits>
+#include <optional>
+
+#include "bvh/bvh.hpp"
+
+namespace regulus::reference {
+
+/// origin + t * direction for t in (t_min, t_max). Two triangles can be passed over: those on which a segment
+/// starts and ends.
+struct Ray {
+  glm::dvec3 origin, direction;
+  double t_min = 0;
+  double t_max = std::numeric_limits<double>::infinity();
+  uint32_t skip_first = interface::INVALID_INDEX;
+  uint32_t skip_last = interface::INVALID_INDEX;
+};
+
+/// Where a ray meets a triangle; p = (1 - u - v) p0 + u p1 + v p2.
+struct Intersection {
+  double t;
+  glm::dvec2 barycentrics;  ///< (u, v)
+  uint32_t triangle;
+};
+
+/// Ray against one triangle, both faces, edges included: Woop, Benthin and Wald, Watertight Ray/Triangle
+/// Intersection, JCGT 2013, in double.
+std::optional<Intersection> intersect(const Ray& ray, const glm::dvec3 (&vertices)[3]);
+
+/// The scene's triangles under a tree.
+class Traversal {
+ public:
+  /// `tree` must outlive the object.
+  explicit Traversal(const bvh::Bvh& tree) : tree_(tree) {}
+
+  /// The nearest intersection of the ray, if there is one.
+  std::optional<Intersection> closest(const Ray& ray) const;
+
+  /// Whether the ray meets anything.
+  bool is_occluded(const Ray& ray) const;
+
+ private:
+  std::optional<Intersection> run(Ray ray, bool any_hit) const;
+  void intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const;
+
+  const bvh::Bvh& tree_;
+};
+
+}  // namespace regulus::reference

@@ -1,0 +1,180 @@
+#include "reference/walk.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "reference/rng.hpp"
+#include "reference/sampling.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::dvec4;
+using namespace interface;
+
+namespace {
+
+double largest(const dvec3& color) {
+  return std::max({color.r, color.g, color.b});
+}
+
+dvec3 mirror_if(bool is_back, const dvec3& w) {
+  return is_back ? dvec3(w.x, w.y, -w.z) : w;
+}
+
+/// Samples the bsdf in the frame that device and reference share: Basis on the shading normal of the side on
+/// which w_back is. Returns the sample with its wi in world space; invalid where the normals disagree.
+BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportMode transport) {
+  const Surface& surface = vertex.surface;
+  if (!sides_agree(surface, vertex.w_back)) return {};
+  const bool is_back = dot(vertex.w_back, surface.geometric_normal) < 0;
+  const Basis basis(is_back ? -surface.shading_normal : surface.shading_normal);
+  const dvec3 wo = mirror_if(is_back, basis.to_local(vertex.w_back));
+  BsdfSample sample = vertex.bsdf.sample(wo, u.x, {u.y, u.z}, transport);
+  if (!sample.is_valid) return {};
+  sample.wi = normalize(basis.to_world(mirror_if(is_back, sample.wi)));
+  if (!sides_agree(surface, sample.wi)) return {};
+  return sample;
+}
+
+/// What a walk carries from vertex to vertex.
+struct State {
+  dvec3 position, direction;
+  dvec3 throughput{1};
+  double survival = 1;
+  double eta_scale = 1;  // product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
+  uint32_t medium = INVALID_INDEX;
+};
+
+/// The vertex that a ray reaches. `is_from_camera` orients the edge; `cos_start` is the cosine at its start.
+std::optional<WalkVertex> next_vertex(const World& world, const Ray& ray, State& state, double cos_start,
+                                      bool is_from_camera) {
+  const std::optional<Intersection> hit = world.traversal().closest(ray);
+  if (!hit) return std::nullopt;
+  const Surface surface = world.surface_at(hit->triangle, hit->barycentrics);
+  WalkVertex vertex{surface, world.bsdf_at(surface), -state.direction};
+  const double cos_arrival = std::abs(dot(state.direction, surface.geometric_normal));
+  vertex.edge.distance = hit->t;
+  vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
+  vertex.edge.cos_camera_end = is_from_camera ? cos_start : cos_arrival;
+  vertex.edge.transmittance = world.transmittance(state.medium, hit->t);
+  vertex.medium = state.medium;
+  vertex.survival = state.survival;
+  state.throughput *= vertex.edge.transmittance;
+  vertex.throughput = state.throughput;
+  return vertex;
+}
+
+/// Samples the next direction at a vertex and plays roulette with `survival` (a function of the step's
+/// weight). False if the walk ends there.
+template <typename Survival>
+bool continue_walk(const World& world, WalkVertex& vertex, State& state, const dvec4& u,
+                   TransportMode transport, const Survival& survival_of) {
+  const BsdfSample sample = sample_direction(vertex, u, transport);
+  if (!sample.is_valid) return false;
+  const bool is_radiance = transport == TransportMode::Radiance;
+  vertex.sample = sample;
+  vertex.scattering =
+      is_radiance
+          ? scattering_of_sample(vertex.surface, vertex.bsdf, sample.wi, vertex.w_back, sample, transport)
+          : scattering_of_sample(vertex.surface, vertex.bsdf, vertex.w_back, sample.wi, sample, transport);
+  // f cos / p with the path's own factors, so shading normals are corrected in light walks.
+  const double pdf = is_radiance ? vertex.scattering.reverse : vertex.scattering.forward;
+  const dvec3 weight =
+      vertex.scattering.value * std::abs(dot(sample.wi, vertex.surface.geometric_normal)) / pdf;
+  const double survival = survival_of(weight, sample);
+  if (!(u.w < survival)) return false;
+  state.throughput *= weight / survival;
+  state.survival *= survival;
+  state.medium = world.medium_towards(vertex.surface, vertex.medium, vertex.w_back, sample.wi);
+  state.position = vertex.surface.position;
+  state.direction = sample.wi;
+  return true;
+}
+
+}  // namespace
+
+dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block) {
+  const RandomBits bits = settings.sampler == SAMPLER_SOBOL ? sobol_bits(settings.seed, stream, sample, block)
+                                                            : hash_bits(settings.seed, stream, sample, block);
+  return {unit_interval(bits[0]), unit_interval(bits[1]), unit_interval(bits[2]), unit_interval(bits[3])};
+}
+
+CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
+                               uint32_t pixel, uint32_t sample) {
+  const auto block = [&](uint32_t index) { return random_block(settings, pixel, sample, index); };
+  const dvec4 u_camera = block(DIMENSION_BLOCK_CAMERA);
+  const dvec2 centre = dvec2(pixel % camera.width(), pixel / camera.width()) + 0.5;
+
+  CameraSubpath subpath;
+  subpath.film = centre + settings.filter.sample({u_camera.x, u_camera.y});
+  subpath.ray = camera.ray(subpath.film, {u_camera.z, u_camera.w});
+  subpath.density = camera.density(subpath.ray.direction);
+
+  State state{subpath.ray.origin, subpath.ray.direction};
+  Ray ray{state.position, state.direction};
+  double cos_start = 1;
+  for (uint32_t bounce = 0; bounce < settings.max_depth; ++bounce) {
+    std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, true);
+    if (!vertex) break;
+    subpath.vertices.push_back(std::move(*vertex));
+    WalkVertex& reached = subpath.vertices.back();
+    if (bounce + 2 > settings.max_depth) break;
+    const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
+      if (step.is_transmitted && reached.bsdf.parameters().is_volume) {
+        const double eta = reached.bsdf.relative_index(to_material(reached.surface, reached.w_back));
+        state.eta_scale *= eta * eta;
+      }
+      return bounce < ROULETTE_FIRST_BOUNCE
+                 ? 1.0
+                 : std::min(1.0, largest(state.throughput * weight) * state.eta_scale);
+    };
+    const dvec4 u =
+        block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
+    if (!continue_walk(world, reached, state, u, TransportMode::Radiance, survival)) break;
+    cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
+    ray = world.ray_from(reached.surface, state.direction);
+  }
+  return subpath;
+}
+
+LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index,
+                             uint32_t iteration) {
+  const auto block = [&](uint32_t b) { return random_block(settings, index, iteration, b); };
+  const dvec4 u_point = block(DIMENSION_BLOCK_EMISSION);
+  const dvec4 u_direction = block(DIMENSION_BLOCK_EMISSION_DIRECTION);
+
+  LightSubpath subpath;
+  subpath.point =
+      sample_light_point(world, select_light(world.scene(), {u_point.x, u_point.y}), {u_point.z, u_point.w});
+  subpath.ray = sample_emission(world, subpath.point, {u_point.z, u_point.w}, {u_direction.x, u_direction.y});
+  subpath.end = light_end(world, subpath.point, subpath.ray.direction);
+  if (!(largest(subpath.end.emitted) > 0)) return subpath;
+
+  State state{subpath.ray.origin, subpath.ray.direction};
+  const bool is_surface = subpath.point.is_triangle();
+  Ray ray = is_surface ? world.ray_from(subpath.point.surface, state.direction)
+                       : Ray{state.position, state.direction};
+  double cos_start = is_surface ? std::abs(dot(state.direction, subpath.point.surface.geometric_normal)) : 1;
+  state.throughput = subpath.end.emitted * cos_start / (subpath.end.point_pdf * subpath.end.density.value);
+  for (uint32_t bounce = 0; bounce + 1 < settings.max_depth; ++bounce) {
+    std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, false);
+    if (!vertex) break;
+    subpath.vertices.push_back(std::move(*vertex));
+    if (bounce + 2 == settings.max_depth) break;
+    WalkVertex& reached = subpath.vertices.back();
+    const auto survival = [&](const dvec3& weight, const BsdfSample&) {
+      return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest(weight));
+    };
+    const dvec4 u = block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
+    if (!continue_walk(world, reached, state, u, TransportMode::Importance, survival)) break;
+    cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
+    ray = world.ray_from(reached.surface, state.direction);
+  }
+  return subpath;
+}
+
+}  // namespace regulus::reference

@@ -1,0 +1,77 @@
+// Random walks from the camera and from lights, vertex by vertex with the device's random numbers. They use
+// the unregularized bsdfs only; how their vertices become paths is the business of subpaths.hpp.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "reference/camera.hpp"
+#include "reference/lights.hpp"
+#include "reference/path.hpp"
+#include "reference/world.hpp"
+
+namespace regulus::reference {
+
+/// What a render is asked to do. The fields are those of render::RenderSettings.
+struct Settings {
+  uint32_t width = 0, height = 0;
+  uint32_t camera = 0;  ///< index into Scene::cameras
+  uint32_t first_sample = 0;
+  uint32_t samples = 16;
+  uint32_t max_depth = 12;  ///< path edges
+  uint32_t seed = 0;
+  uint32_t sampler = interface::SAMPLER_SOBOL;
+  uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
+  uint32_t light_paths = 0;  ///< per iteration; 0: one per pixel
+  double merge_radius = 0;   ///< metres, of the first iteration
+  double merge_reduction = 1.0 / 6;
+  uint32_t ndf = interface::NDF_GGX;
+  uint32_t shadowing = interface::SHADOWING_SMITH;
+  Filter filter;
+
+  uint32_t paths_per_iteration() const { return light_paths == 0 ? width * height : light_paths; }
+};
+
+/// Block `block` of a stream's random numbers: a camera path's stream is its pixel, a light path's its index;
+/// a light path's sample is the iteration.
+glm::dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block);
+
+/// A surface vertex of a walk.
+struct WalkVertex {
+  Surface surface;
+  Bsdf bsdf;
+  glm::dvec3 w_back;                           ///< unit, towards the vertex before
+  Edge edge{};                                 ///< from the vertex before, oriented as in a path
+  uint32_t medium = interface::INVALID_INDEX;  ///< through which the walk arrived
+  double survival = 1;                         ///< probability that roulette let the walk come this far
+  glm::dvec3 throughput{1};  ///< of the walk on arrival, roulette divided out; for roulette and for reading
+  VertexScattering scattering{};  ///< of the step to the next vertex; means nothing at the last one
+  BsdfSample sample{};            ///< likewise
+};
+
+/// A walk from the lens: vertices[m - 1] is the vertex after m edges.
+struct CameraSubpath {
+  glm::dvec2 film{0};
+  CameraRay ray{};
+  RayDensity density;  ///< of the ray, see Path::camera
+  std::vector<WalkVertex> vertices;
+};
+
+/// A walk from a light: vertices[m - 1] is x_m.
+struct LightSubpath {
+  LightPoint point;  ///< x_0
+  EmissionRay ray{};
+  LightEnd end;  ///< x_0 as seen by paths that start with this walk
+  std::vector<WalkVertex> vertices;
+};
+
+/// The camera path of a sample of a pixel, up to max_depth edges.
+CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
+                               uint32_t pixel, uint32_t sample);
+
+/// Light path `index` of an iteration, up to max_depth - 1 edges (the last edge of a path is never its own).
+/// Precondition: the scene has lights.
+LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index,
+                             uint32_t iteration);
+
+}  // namespace regulus::reference

@@ -1,0 +1,133 @@
+#include "reference/world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "scene/texture.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using namespace interface;
+
+namespace {
+
+// Alpha below which a lobe that is not a delta is evaluated as if it had this one: part of the model.
+constexpr double MIN_ALPHA = 1e-7;
+// A segment begins this far off its surface, relative to the coordinates: enough for a second triangle in the
+// same place to be passed over like the first, too little for anything else to fit in between.
+constexpr double SEGMENT_START = 1e-10;
+
+}  // namespace
+
+World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing)
+    : scene_(scene),
+      traversal_(tree),
+      ndf_(ndf),
+      shadowing_(shadowing),
+      center_(0.5f * (scene.bounds_min + scene.bounds_max)),
+      radius_(0.5 * glm::length(dvec3(scene.bounds_max) - dvec3(scene.bounds_min))),
+      has_smooth_normals_((scene::find_features(scene).bits & FEATURE_SMOOTH_NORMALS) != 0) {
+  std::map<float, double> average;
+  for (const Material& material : scene.materials) {
+    const auto [entry, is_new] = average.try_emplace(material.ior);
+    if (is_new) entry->second = fresnel_dielectric_average(material.ior);
+    fresnel_average_.push_back(entry->second);
+  }
+}
+
+Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
+  const Triangle& triangle = scene_.triangles[index];
+  const Vertex& v0 = scene_.vertices[triangle.v0];
+  const Vertex& v1 = scene_.vertices[triangle.v1];
+  const Vertex& v2 = scene_.vertices[triangle.v2];
+  const dvec3 b(1 - barycentrics.x - barycentrics.y, barycentrics.x, barycentrics.y);
+  const dvec3 p0(v0.position);
+  const dvec3 p1(v1.position);
+  const dvec3 p2(v2.position);
+  const dvec3 cross = glm::cross(p1 - p0, p2 - p0);
+
+  Surface surface;
+  surface.position = b.x * p0 + b.y * p1 + b.z * p2;
+  surface.geometric_normal = normalize(cross);
+  surface.shading_normal = surface.geometric_normal;
+  surface.area = 0.5 * length(cross);
+  surface.uv = b.x * dvec2(v0.uv) + b.y * dvec2(v1.uv) + b.z * dvec2(v2.uv);
+  surface.triangle = index;
+  surface.material = triangle.material;
+  surface.light = triangle.light;
+  if (!has_smooth_normals_) return surface;
+  const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
+  if (dot(sum, sum) <= 1e-12) return surface;  // normals that cancel say nothing
+  surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
+  return surface;
+}
+
+glm::dvec4 World::texture_at(uint32_t index, const dvec2& uv) const {
+  if (index == INVALID_INDEX) return glm::dvec4(1);
+  return scene::sample_texture(scene_, scene_.textures[index], glm::vec2(uv));
+}
+
+Bsdf World::bsdf_at(const Surface& surface) const {
+  const Material& material = scene_.materials[surface.material];
+  const glm::dvec4 metallic_roughness = texture_at(material.metallic_roughness_texture, surface.uv);
+  const double roughness = material.roughness * metallic_roughness.g;
+  BsdfParameters p;
+  p.base_color = dvec3(material.base_color) * dvec3(texture_at(material.base_color_texture, surface.uv));
+  p.metallic = material.metallic * metallic_roughness.b;
+  p.alpha = dvec2(roughness > 0 ? std::max(roughness * roughness, MIN_ALPHA) : 0.0);
+  p.ior = material.ior;
+  p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
+  p.specular = material.specular;
+  p.specular_color = material.specular_color;
+  p.is_volume = (material.flags & MATERIAL_VOLUME) != 0;
+  p.ndf = ndf_;
+  p.shadowing = shadowing_;
+  p.fresnel_average = fresnel_average_[surface.material];
+  return Bsdf(p);
+}
+
+dvec3 World::emission_at(const Surface& surface) const {
+  const Material& material = scene_.materials[surface.material];
+  return dvec3(material.emission) * dvec3(texture_at(material.emissive_texture, surface.uv));
+}
+
+bool World::emits_from_both_sides(const Surface& surface) const {
+  return (scene_.materials[surface.material].flags & MATERIAL_DOUBLE_SIDED) != 0;
+}
+
+dvec3 World::transmittance(uint32_t medium, double distance) const {
+  if (medium == INVALID_INDEX) return dvec3(1);
+  return exp(-distance * dvec3(scene_.materials[medium].absorption));
+}
+
+uint32_t World::medium_towards(const Surface& surface, uint32_t medium, const dvec3& from,
+                               const dvec3& w) const {
+  const Material& material = scene_.materials[surface.material];
+  const bool has_inside =
+      material.material_class == MATERIAL_CLASS_TRANSMISSIVE && (material.flags & MATERIAL_VOLUME) != 0;
+  const bool came_from_front = dot(from, surface.geometric_normal) > 0;
+  const bool leaves_to_front = dot(w, surface.geometric_normal) > 0;
+  if (!has_inside || came_from_front == leaves_to_front) return medium;
+  return came_from_front ? surface.material : INVALID_INDEX;
+}
+
+Ray World::ray_from(const Surface& surface, const dvec3& direction) const {
+  const dvec3 size = glm::abs(surface.position);
+  Ray ray{surface.position, direction};
+  ray.t_min = SEGMENT_START * std::max({size.x, size.y, size.z, std::sqrt(surface.area)});
+  ray.skip_first = surface.triangle;
+  return ray;
+}
+
+bool World::is_visible(const Surface& from, const dvec3& to, uint32_t target) const {
+  const double distance = length(to - from.position);
+  Ray ray = ray_from(from, (to - from.position) / distance);
+  ray.t_max = distance - ray.t_min;
+  ray.skip_last = target;
+  return !traversal_.is_occluded(ray);
+}
+
+}  // namespace regulus::reference

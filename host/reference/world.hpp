@@ -1,0 +1,79 @@
+// What the reference knows of a scene: surfaces, materials and media at points, in double precision, from the
+// same arrays that kernels read.
+#pragma once
+
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "reference/bsdf.hpp"
+#include "reference/traversal.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::reference {
+
+/// A point of a triangle with what the vertices carry. Normals are unit and point to the front side.
+struct Surface {
+  glm::dvec3 position{0};
+  glm::dvec3 geometric_normal{0};
+  glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
+  glm::dvec2 uv{0};
+  double area = 0;  ///< of the triangle, m^2
+  uint32_t triangle = interface::INVALID_INDEX;
+  uint32_t material = interface::INVALID_INDEX;
+  uint32_t light = interface::INVALID_INDEX;  ///< of the triangle, if it emits
+};
+
+/// A scene with its tree and microfacet model. Scene and tree must outlive it.
+class World {
+ public:
+  /// The scene must have been prepared by bvh::build_for_scene, whose result is `tree`.
+  World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf = interface::NDF_GGX,
+        uint32_t shadowing = interface::SHADOWING_SMITH);
+
+  const scene::Scene& scene() const { return scene_; }
+  const Traversal& traversal() const { return traversal_; }
+
+  /// Centre and radius of the sphere around the scene's bounds: where directional light starts.
+  const glm::dvec3& center() const { return center_; }
+  double radius() const { return radius_; }
+
+  /// The point of a triangle with these barycentrics (of its second and third vertex).
+  Surface surface_at(uint32_t triangle, const glm::dvec2& barycentrics) const;
+
+  /// The material at a surface point, textures applied.
+  Bsdf bsdf_at(const Surface& surface) const;
+
+  /// Radiance that the surface's material emits there, whatever the side.
+  glm::dvec3 emission_at(const Surface& surface) const;
+
+  /// True if the surface emits from its back as well as from its front.
+  bool emits_from_both_sides(const Surface& surface) const;
+
+  /// Transmittance of `distance` metres of a material's interior; INVALID_INDEX: vacuum. Beer and Lambert.
+  glm::dvec3 transmittance(uint32_t medium, double distance) const;
+
+  /// The medium on the side of the surface that w points to, for a path that arrived through `medium` from
+  /// the side of `from`.
+  uint32_t medium_towards(const Surface& surface, uint32_t medium, const glm::dvec3& from,
+                          const glm::dvec3& w) const;
+
+  /// Ray from a surface point.
+  Ray ray_from(const Surface& surface, const glm::dvec3& direction) const;
+
+  /// True if nothing lies strictly between a surface point and another point (on triangle `target`, if any).
+  bool is_visible(const Surface& from, const glm::dvec3& to,
+                  uint32_t target = interface::INVALID_INDEX) const;
+
+ private:
+  glm::dvec4 texture_at(uint32_t index, const glm::dvec2& uv) const;
+
+  const scene::Scene& scene_;
+  Traversal traversal_;
+  uint32_t ndf_, shadowing_;
+  glm::dvec3 center_;
+  double radius_;
+  bool has_smooth_normals_;
+  std::vector<double> fresnel_average_;  // by material
+};
+
+}  // namespace regulus::reference

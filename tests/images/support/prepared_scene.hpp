@@ -1,0 +1,29 @@
+// Scenes of image tests, loaded and with their acceleration structure: ready for a renderer or the reference.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "bvh/bvh.hpp"
+#include "images/support/gltf_scene.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::test {
+
+/// A scene that is ready for a renderer.
+struct PreparedScene {
+  scene::Scene scene;
+  bvh::Bvh bvh;
+};
+
+PreparedScene prepare(const std::filesystem::path& path);
+PreparedScene prepare(const GltfScene& scene);
+
+/// An entry of scenes[0].extras.regulus_expected of a scene of ours.
+nlohmann::json expected_of(const std::filesystem::path& gltf);
+
+/// The folder of our own scenes and of the real assets.
+std::filesystem::path own_scenes();
+std::filesystem::path assets();
+
+}  // namespace regulus::test
