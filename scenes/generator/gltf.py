@@ -5,6 +5,8 @@ import json
 import struct
 import sys
 
+from .vec import length, look_at
+
 FLOAT, UINT16, UINT32 = 5126, 5123, 5125
 ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER = 34962, 34963
 
@@ -66,11 +68,15 @@ class Gltf:
         """roughness is perceptual (alpha = roughness^2); 0 is a perfect mirror."""
         return self.material(name, reflectance, metallic=1.0, roughness=roughness)
 
-    def glass(self, name, ior):
-        """Clear solid glass: a perfectly smooth refracting boundary."""
-        return self.material(name, roughness=0.0, extensions={
+    def glass(self, name, ior, roughness=0.0, attenuation=None):
+        """Solid glass: a refracting boundary, perfectly smooth with roughness 0. attenuation: (what is left of white,
+        after how many metres)."""
+        volume = {"thicknessFactor": 1}
+        if attenuation:
+            volume.update({"attenuationColor": list(attenuation[0]), "attenuationDistance": attenuation[1]})
+        return self.material(name, roughness=roughness, extensions={
             "KHR_materials_transmission": {"transmissionFactor": 1},
-            "KHR_materials_volume": {"thicknessFactor": 1},
+            "KHR_materials_volume": volume,
             "KHR_materials_ior": {"ior": ior}})
 
     # Geometry.
@@ -135,11 +141,21 @@ class Gltf:
 
     def point_light(self, position, intensity):
         """intensity in candela; the renderer takes it as W/sr per channel."""
+        light = self._light({"type": "point", "intensity": intensity})
+        return self._root({"name": "light", "translation": list(position), "extensions": light})
+
+    def directional_light(self, direction, illuminance, color):
+        """Light that travels in `direction`; illuminance in lux, taken as W/m^2 per channel."""
+        light = self._light({"type": "directional", "intensity": illuminance, "color": list(color)})
+        up = (0.0, 1.0, 0.0) if abs(direction[1]) < 0.9 * length(direction) else (1.0, 0.0, 0.0)
+        return self._root({"name": "light", "matrix": look_at((0.0, 0.0, 0.0), direction, up), "extensions": light})
+
+    def _light(self, light):
+        """Adds a light; returns the extension of a node that refers to it."""
         self._used_extensions.add("KHR_lights_punctual")
-        lights = self._json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})
-        lights["lights"].append({"type": "point", "intensity": intensity})
-        return self._root({"name": "light", "translation": list(position), "extensions": {
-            "KHR_lights_punctual": {"light": len(lights["lights"]) - 1}}})
+        lights = self._json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
+        lights.append(light)
+        return {"KHR_lights_punctual": {"light": len(lights) - 1}}
 
     # Output.
 

@@ -7,70 +7,31 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "scene/scene.hpp"
+#include "unit/scene_facets.hpp"
 
 namespace regulus::test {
 namespace {
-
-using glm::dvec3;
-
-std::string scene_path(const std::string& stem) {
-  return std::string(REGULUS_SOURCE_DIR) + "/scenes/" + stem + ".gltf";
-}
 
 nlohmann::json expected_values(const std::string& stem) {
   std::ifstream stream(scene_path(stem));
   return nlohmann::json::parse(stream)["scenes"][0]["extras"]["regulus_expected"];
 }
 
-/// A triangle in double precision with the name of its material.
-struct Facet {
-  dvec3 p0, p1, p2;
-  std::string material;
-  dvec3 emission;
-
-  dvec3 area_vector() const { return 0.5 * glm::cross(p1 - p0, p2 - p0); }
-  dvec3 normal() const { return glm::normalize(area_vector()); }
-  dvec3 center() const { return (p0 + p1 + p2) / 3.0; }
-  double area() const { return glm::length(area_vector()); }
-};
-
-std::vector<Facet> facets(const scene::Scene& scene, const std::string& material = "") {
-  std::vector<Facet> result;
-  for (const interface::Triangle& triangle : scene.triangles) {
-    const std::string& name = scene.material_names[triangle.material];
-    if (!material.empty() && name.rfind(material, 0) != 0) continue;
-    const auto position = [&](uint32_t i) { return dvec3(scene.vertices[i].position); };
-    result.push_back({position(triangle.v0), position(triangle.v1), position(triangle.v2), name,
-                      dvec3(scene.materials[triangle.material].emission)});
-  }
-  EXPECT_FALSE(result.empty()) << material;
-  return result;
-}
-
-/// Expects every facet to face `point`, or all of them to face away from it.
-void expect_facing(const std::vector<Facet>& surface, const dvec3& point, bool towards) {
-  size_t wrong = 0;
-  for (const Facet& facet : surface)
-    wrong += (glm::dot(facet.normal(), point - facet.center()) > 0) != towards;
-  EXPECT_EQ(wrong, 0u);
-}
-
-/// Expects a surface without holes: by Gauss' theorem its area vectors cancel.
-void expect_closed(const std::vector<Facet>& surface) {
-  dvec3 sum(0);
-  double area = 0;
-  for (const Facet& facet : surface) {
-    sum += facet.area_vector();
-    area += facet.area();
-  }
-  // Every facet's vector is off by a few float roundings of its vertices at most.
-  EXPECT_LT(glm::length(sum), 1e-6 * area);
-}
-
-const char* const ALL_SCENES[] = {"cornell/cornell",       "plates/plates",         "mirrors/mirrors",
-                                  "furnace/furnace",       "furnace/furnace-glass", "furnace/furnace-mirror",
-                                  "furnace/furnace-rough", "furnace/furnace-point"};
+const char* const ALL_SCENES[] = {"cornell/cornell",
+                                  "plates/plates",
+                                  "mirrors/mirrors",
+                                  "furnace/furnace",
+                                  "furnace/furnace-glass",
+                                  "furnace/furnace-mirror",
+                                  "furnace/furnace-rough",
+                                  "furnace/furnace-point",
+                                  "watch/watch",
+                                  "ring/ring",
+                                  "pool/pool",
+                                  "lamp/lamp",
+                                  "smallvcm/smallvcm-sun",
+                                  "smallvcm/smallvcm-ceiling",
+                                  "smallvcm/smallvcm-point"};
 
 TEST(Scenes, LoadWithoutWarningAndNormalsFaceTheFront) {
   for (const char* stem : ALL_SCENES) {
