@@ -28,6 +28,14 @@ const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMI
 const std::map<std::string, uint32_t> FILTER_NAMES = {
     {"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}, {"blackman-harris", FILTER_BLACKMAN_HARRIS}};
 const std::map<std::string, uint32_t> SAMPLER_NAMES = {{"sobol", SAMPLER_SOBOL}, {"hash", SAMPLER_HASH}};
+const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {{"none", REGULARIZATION_NONE},
+                                                              {"roughness", REGULARIZATION_ROUGHNESS}};
+const std::map<std::string, uint32_t> BOUND_NAMES = {
+    {"peak", BOUND_PEAK}, {"smith", BOUND_SMITH}, {"directional", BOUND_DIRECTIONAL}};
+const std::map<std::string, uint32_t> MIS_NAMES = {
+    {"blended", MIS_BLENDED}, {"corrected", MIS_CORRECTED}, {"unmodified", MIS_UNMODIFIED}};
+const std::map<std::string, uint32_t> SCHEDULE_NAMES = {{"fixed", 0},
+                                                        {"consistent", REGULARIZATION_CONSISTENT}};
 const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT},
                                                          {"nee", TECHNIQUE_NEE},
                                                          {"splat", TECHNIQUE_SPLAT},
@@ -149,6 +157,36 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                   "The merge radius of iteration i is the first one's times i to minus this power")
       ->check(CLI::Range(0.0, 0.5))
       ->capture_default_str();
+  command
+      .add_option(
+          "--regularization", settings.regularization,
+          "How connections and merges see glossy and specular surfaces: none (as they are), roughness "
+          "(with raised roughness)")
+      ->transform(CLI::CheckedTransformer(REGULARIZATION_NAMES))
+      ->default_str("none");
+  command
+      .add_option(
+          "--tau", settings.tau,
+          "Largest density of a regularized lobe, in 1/sr: smaller blurs more (inf: no regularization)")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_option("--bound", settings.bound, "How roughness follows from tau: peak, smith, directional")
+      ->transform(CLI::CheckedTransformer(BOUND_NAMES))
+      ->default_str("peak");
+  command
+      .add_option(
+          "--tau-schedule", options.tau_schedule,
+          "fixed, or consistent: less roughness with every iteration, so that the image converges to the "
+          "truth")
+      ->transform(CLI::CheckedTransformer(SCHEDULE_NAMES))
+      ->default_str("consistent");
+  command
+      .add_option(
+          "--mis", settings.mis,
+          "Weights of regularized techniques: blended, corrected (by sample values), unmodified (wrong; for "
+          "comparison)")
+      ->transform(CLI::CheckedTransformer(MIS_NAMES))
+      ->default_str("blended");
   command.add_option("-s,--spp", settings.samples, "Samples per pixel")
       ->check(CLI::Range(1u, 1u << 24))
       ->capture_default_str();
@@ -222,6 +260,7 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.height = size.y;
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
+  if (settings.regularization != REGULARIZATION_NONE) settings.regularization |= options.tau_schedule;
   settings.cache_connections = parse_connections(options.connections);
   const float scene_radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
   settings.merge_radius = options.merge_radius.empty()

@@ -21,7 +21,8 @@ struct RenderOptions {
   std::string integrator = "pt";
   std::string techniques;  ///< comma-separated; empty: the integrator's
   std::string connections = "paired";
-  std::string merge_radius;  ///< metres or percent; empty: the default
+  uint32_t tau_schedule = interface::REGULARIZATION_CONSISTENT;  ///< or 0: fixed
+  std::string merge_radius;                                      ///< metres or percent; empty: the default
   std::string device;
   std::string backend = "vulkan";  ///< or "reference": the scalar reference, which needs no device
   float exposure_ev = 0;

@@ -17,6 +17,8 @@ constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQU
                                                                 {"connect", TECHNIQUE_CONNECT},
                                                                 {"merge", TECHNIQUE_MERGE}};
 constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
+constexpr const char* BOUND_NAMES[] = {"peak", "smith", "directional"};
+constexpr const char* MIS_NAMES[] = {"blended", "corrected", "unmodified"};
 constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
 constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
 constexpr const char* SAMPLER_NAMES[] = {"sobol", "hash"};
@@ -39,6 +41,11 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
           {"cache_connections", settings.cache_connections},
           {"merge_radius", settings.merge_radius},
           {"merge_reduction", settings.merge_reduction},
+          {"regularization", settings.regularization & REGULARIZATION_ROUGHNESS ? "roughness" : "none"},
+          {"tau", settings.tau},
+          {"tau_schedule", settings.regularization & REGULARIZATION_CONSISTENT ? "consistent" : "fixed"},
+          {"bound", BOUND_NAMES[settings.bound]},
+          {"mis", MIS_NAMES[settings.mis]},
           {"ndf", NDF_NAMES[settings.ndf]},
           {"shadowing", SHADOWING_NAMES[settings.shadowing]},
           {"filter", FILTER_NAMES[settings.filter]},

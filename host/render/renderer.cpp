@@ -35,6 +35,7 @@ double seconds_since(Clock::time_point start) {
 // What can contribute, and values in place of "choose for me".
 RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings& asked) {
   RenderSettings settings = asked;
+  if (std::isinf(settings.tau)) settings.regularization = REGULARIZATION_NONE;
   settings.techniques = effective_techniques(scene::find_features(scene), asked);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   if (settings.merge_radius == 0)

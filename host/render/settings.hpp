@@ -11,6 +11,9 @@ namespace regulus::render {
 /// Merge radius where none is given, in radii of the scene's bounding sphere (as SmallVCM).
 inline constexpr float DEFAULT_MERGE_RADIUS = 0.003f;
 
+/// Density to which regularization bounds a lobe where none is given, 1/sr.
+inline constexpr float DEFAULT_TAU = 100;
+
 /// Techniques that need light subpaths.
 inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
     interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
@@ -30,6 +33,10 @@ struct RenderSettings {
   float merge_radius = 0;          ///< metres, of the first iteration; 0: DEFAULT_MERGE_RADIUS
   float merge_reduction =
       1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
+  uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
+  uint32_t bound = interface::BOUND_PEAK;
+  uint32_t mis = interface::MIS_BLENDED;
+  float tau = DEFAULT_TAU;  ///< largest density of a regularized lobe, 1/sr; infinite: as without
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   uint32_t filter = interface::FILTER_BLACKMAN_HARRIS;

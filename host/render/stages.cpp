@@ -27,7 +27,9 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
   constexpr uint32_t LIGHTS = FEATURE_TRIANGLE_LIGHTS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
   if ((features.bits & LIGHTS) == 0) techniques &= ~(TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES);
   if ((features.bits & FEATURE_TRIANGLE_LIGHTS) == 0) techniques &= ~TECHNIQUE_HIT;
-  if (!features.has_connectible_surfaces) techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
+  const bool is_regularized = settings.regularization != REGULARIZATION_NONE;
+  if (!features.has_connectible_surfaces && !is_regularized)
+    techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
   return techniques;
 }
 
@@ -50,6 +52,9 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
                                         {SPEC_MATERIAL_CLASS, material_class},
                                         {SPEC_FEATURES, features.bits},
                                         {SPEC_TECHNIQUES, settings.techniques},
+                                        {SPEC_REGULARIZATION, settings.regularization},
+                                        {SPEC_BOUND, settings.bound},
+                                        {SPEC_MIS, settings.mis},
                                         {SPEC_FILTER, settings.filter},
                                         {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

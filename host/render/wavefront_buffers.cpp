@@ -75,6 +75,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.filter_radius = settings.filter_radius;
   frame_.filter_sigma = settings.filter_sigma;
   frame_.camera = camera;
+  frame_.tau = settings.tau;
   frame_.light_path_count = settings.light_paths;
   frame_.light_head_modulus = plan_.is_per_wave ? 0 : settings.light_paths;
   frame_.pair_capacity = static_cast<uint32_t>(capacity * pairs_per_path(settings));

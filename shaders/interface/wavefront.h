@@ -19,6 +19,9 @@ REGULUS_CONSTANT SPEC_FEATURES = 4u;        // FEATURE_* the scene has
 REGULUS_CONSTANT SPEC_TECHNIQUES = 5u;      // TECHNIQUE_* that are enabled
 REGULUS_CONSTANT SPEC_FILTER = 6u;          // FILTER_*
 REGULUS_CONSTANT SPEC_SAMPLER = 7u;         // SAMPLER_*
+REGULUS_CONSTANT SPEC_REGULARIZATION = 8u;  // REGULARIZATION_* bits
+REGULUS_CONSTANT SPEC_BOUND = 9u;           // BOUND_*
+REGULUS_CONSTANT SPEC_MIS = 10u;             // MIS_*
 
 REGULUS_CONSTANT NDF_GGX = 0u;
 REGULUS_CONSTANT NDF_BECKMANN = 1u;
@@ -33,6 +36,17 @@ REGULUS_CONSTANT FILTER_BLACKMAN_HARRIS = 2u;
 
 REGULUS_CONSTANT SAMPLER_SOBOL = 0u;  // Owen-scrambled Sobol points
 REGULUS_CONSTANT SAMPLER_HASH = 1u;   // independent numbers
+
+// Regularization at connections and merges (lib/regularization.glsl).
+REGULUS_CONSTANT REGULARIZATION_NONE = 0u;
+REGULUS_CONSTANT REGULARIZATION_ROUGHNESS = 1u;   // bsdfs are evaluated with raised roughness
+REGULUS_CONSTANT REGULARIZATION_CONSISTENT = 2u;  // which shrinks from iteration to iteration
+REGULUS_CONSTANT BOUND_PEAK = 0u;
+REGULUS_CONSTANT BOUND_SMITH = 1u;
+REGULUS_CONSTANT BOUND_DIRECTIONAL = 2u;
+REGULUS_CONSTANT MIS_BLENDED = 0u;
+REGULUS_CONSTANT MIS_CORRECTED = 1u;
+REGULUS_CONSTANT MIS_UNMODIFIED = 2u;
 
 // Scene features: a clear bit compiles the code it names away.
 REGULUS_CONSTANT FEATURE_TEXTURES = 1u;            // any texture that shading reads
@@ -215,7 +229,7 @@ struct Frame {
   uint grid_cell_mask;         // number of cells - 1
   float cache_connect_count;   // of a cache whose size is the expected one: M N / vertices. Walks need it in their MIS
                                // accumulators before the vertices are counted
-  uint reserved;
+  float tau;                   // bound on the density of a regularized lobe, 1/sr
 };
 REGULUS_LAYOUT(Frame, 376);
 

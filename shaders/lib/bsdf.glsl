@@ -71,6 +71,16 @@ struct BsdfEval {
   float pdf_reverse;  // of wo given wi
 };
 
+// Where wo and wi meet the microsurface.
+struct Encounter {
+  vec3 h;               // unit, h.z > 0
+  float o_dot_h;        // absolute cosines with h
+  float i_dot_h;
+  bool is_transmitted;  // wi is below the surface
+  bool is_refracted;    // and was bent (not thin-walled)
+  bool is_valid;        // false: no facet turns wo into wi
+};
+
 struct BsdfSample {
   vec3 wi;
   vec3 weight;        // value |cos_i| / pdf; of a delta event its factor over its probability
@@ -78,6 +88,7 @@ struct BsdfSample {
   float pdf_reverse;
   uint flags;         // BSDF_SAMPLE_*; weight and pdfs are 0 unless valid
   float eta_scale;    // weight * eta_scale is free of refraction's 1 / eta^2
+  Encounter facet;    // where wo and wi meet
 };
 
 // Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
@@ -173,28 +184,38 @@ Bsdf make_bsdf(Material material, bool is_front) {
   return bsdf;
 }
 
-// Where wo and wi meet the microsurface.
-struct Encounter {
-  vec3 h;               // unit, h.z > 0
-  float o_dot_h;        // absolute cosines with h
-  float i_dot_h;
-  bool is_transmitted;  // wi is below the surface
-  bool is_refracted;    // and was bent (not thin-walled)
-  bool is_valid;        // false: no facet turns wo into wi
+// The parts of the lobes at (wo, wi) that meet at a facet: what value and pdfs are made of. The microfacet lobe's
+// density and shadowing are those of the bsdf's own alpha; all else does not depend on alpha.
+struct Lobes {
+  vec3 diffuse;           // value of the diffuse lobe
+  float diffuse_forward;  // its share of both pdfs
+  float diffuse_reverse;
+  vec3 weight;            // Fresnel factor and colour of the microfacet lobe
+  float density_scale;    // half-vector Jacobian: times D, the factor that value and pdfs share
+  float value_scale;      // 1 / eta^2 for refraction in a radiance walk
+  float choice_forward;   // probability of choosing the lobe, and of its event at the facet
+  float choice_reverse;
+  MicrofacetTerms terms;
+  float density;          // terms.density * density_scale, 0 for a delta lobe or without a facet
 };
 
-// All non-delta lobes at (wo, wi) that meet at a facet, with microfacet roughness alpha (which may differ from
-// the bsdf's own). The one place where values and pdfs come from.
-BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet, uint transport) {
-  BsdfEval eval = BsdfEval(vec3(0.0), 0.0, 0.0);
+Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
+  Lobes lobes;
   float cos_o = wo.z;
   float cos_i = abs(wi.z);
   float same_side = facet.is_transmitted ? 0.0 : INV_PI;
+  lobes.weight = vec3(0.0);
+  lobes.density = 0.0;
+  lobes.choice_forward = 0.0;
+  lobes.choice_reverse = 0.0;
+  lobes.value_scale = 1.0;
+  lobes.density_scale = 0.25;
+  lobes.terms = MicrofacetTerms(0.0, 0.0, 0.0, 0.0);
   if (!bsdf_has_specular()) {
-    eval.value = bsdf.diffuse * same_side;
-    eval.pdf_forward = cos_i * same_side;
-    eval.pdf_reverse = cos_o * same_side;
-    return eval;
+    lobes.diffuse = bsdf.diffuse * same_side;
+    lobes.diffuse_forward = cos_i * same_side;
+    lobes.diffuse_reverse = cos_o * same_side;
+    return lobes;
   }
   // The reverse walk of a refraction starts on the other side of the interface.
   float excess_i = facet.is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
@@ -202,16 +223,15 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
   vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
   float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
-  eval.value =
+  lobes.diffuse =
       bsdf.diffuse * dielectric_transmittance(bsdf, s_o) * dielectric_transmittance(bsdf, s_i) * same_side;
-  eval.pdf_forward = diffuse_o * cos_i * same_side;
-  eval.pdf_reverse = diffuse_i * cos_o * same_side;
-  if (!bsdf_has_rough()) return eval;
+  lobes.diffuse_forward = diffuse_o * cos_i * same_side;
+  lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
+  if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) return lobes;
 
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, cos_i);
-  vec2 evaluated_alpha = max(alpha, vec2(MIN_ALPHA));
-  MicrofacetTerms terms =
-      microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h, evaluated_alpha, facet.is_refracted);
+  lobes.terms = microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h, max(bsdf.alpha, vec2(MIN_ALPHA)),
+                                 facet.is_refracted);
 
   // A refracted pair knows its own g = eta |wi.h|, which stays accurate where sqrt(c^2 + excess) does not.
   float g = facet.is_refracted ? facet.i_dot_h / bsdf.inverse_eta : refracted_g(facet.o_dot_h, bsdf.excess);
@@ -222,26 +242,32 @@ BsdfEval evaluate_lobes(Bsdf bsdf, vec2 alpha, vec3 wo, vec3 wi, Encounter facet
 
   // D times the half-vector Jacobian over the |cos_h| of the visible normals, forward and (times
   // reverse_scale) reverse. |wo.h + eta wi.h| = |g - c| = |excess| / (c + g).
-  float scale = 0.25;
   float reverse_scale = 1.0;
-  float value_scale = 1.0;
   if (bsdf_has_transmission() && facet.is_refracted) {
     float difference = bsdf.excess / (facet.o_dot_h + g);
-    scale = facet.o_dot_h * g / (bsdf.inverse_eta * max(square(difference), 1e-16));
+    lobes.density_scale = facet.o_dot_h * g / (bsdf.inverse_eta * max(square(difference), 1e-16));
     reverse_scale = bsdf.inverse_eta_squared;
-    value_scale = transport == TRANSPORT_RADIANCE ? bsdf.inverse_eta_squared : 1.0;
+    lobes.value_scale = transport == TRANSPORT_RADIANCE ? bsdf.inverse_eta_squared : 1.0;
   }
-  bool is_rough = facet.is_valid && alpha.x > 0.0;
-  float density = is_rough ? min(terms.density * scale, MAX_DENSITY) : 0.0;
-  vec3 weight = interface_reflectance(bsdf, s, k);
+  bool is_rough = facet.is_valid && bsdf.alpha.x > 0.0;
+  lobes.density = is_rough ? min(lobes.terms.density * lobes.density_scale, MAX_DENSITY) : 0.0;
+  lobes.weight = interface_reflectance(bsdf, s, k);
   if (bsdf_has_transmission() && facet.is_transmitted) {
-    weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
+    lobes.weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
     reflect_o = 1.0 - reflect_o;
     reflect_i = 1.0 - reflect_i;
   }
-  eval.value += weight * (density * terms.shadowing * value_scale);
-  eval.pdf_forward += (1.0 - diffuse_o) * reflect_o * density * terms.visibility_o;
-  eval.pdf_reverse += (1.0 - diffuse_i) * reflect_i * density * terms.visibility_i * reverse_scale;
+  lobes.choice_forward = (1.0 - diffuse_o) * reflect_o;
+  lobes.choice_reverse = (1.0 - diffuse_i) * reflect_i * reverse_scale;
+  return lobes;
+}
+
+// All non-delta lobes at (wo, wi) that meet at a facet. Value and pdfs come from this one place.
+BsdfEval evaluate_lobes(Lobes lobes) {
+  BsdfEval eval;
+  eval.value = lobes.diffuse + lobes.weight * (lobes.density * lobes.terms.shadowing * lobes.value_scale);
+  eval.pdf_forward = lobes.diffuse_forward + lobes.choice_forward * lobes.density * lobes.terms.visibility_o;
+  eval.pdf_reverse = lobes.diffuse_reverse + lobes.choice_reverse * lobes.density * lobes.terms.visibility_i;
   return eval;
 }
 
@@ -284,7 +310,7 @@ Encounter encounter(Bsdf bsdf, vec3 wo, vec3 wi) {
 
 // Value and pdfs of the non-delta lobes; zero where wo or wi lies in the surface.
 BsdfEval bsdf_evaluate(Bsdf bsdf, vec3 wo, vec3 wi, uint transport) {
-  BsdfEval eval = evaluate_lobes(bsdf, bsdf.alpha, wo, wi, encounter(bsdf, wo, wi), transport);
+  BsdfEval eval = evaluate_lobes(bsdf_lobes(bsdf, wo, wi, encounter(bsdf, wo, wi), transport));
   if (!(wo.z > 0.0) || wi.z == 0.0) return BsdfEval(vec3(0.0), 0.0, 0.0);
   return eval;
 }
@@ -345,7 +371,8 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, u
   return eval;
 }
 
-const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0u, 1.0);
+const Encounter NO_ENCOUNTER = Encounter(vec3(0.0, 0.0, 1.0), 1.0, 1.0, false, false, false);
+const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0u, 1.0, NO_ENCOUNTER);
 
 // Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
 BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
@@ -366,7 +393,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
     wi = is_diffuse ? diffuse_wi : event.wi;
     if (!is_diffuse) facet = event.facet;
   }
-  BsdfEval eval = evaluate_lobes(bsdf, bsdf.alpha, wo, wi, facet, transport);
+  BsdfEval eval = evaluate_lobes(bsdf_lobes(bsdf, wo, wi, facet, transport));
   float numerator = abs(wi.z);
   if (bsdf_has_delta() && is_delta) {
     eval = delta;
@@ -377,6 +404,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
 
   BsdfSample result;
   result.wi = wi;
+  result.facet = facet;
   result.weight = eval.value * (numerator / eval.pdf_forward);
   result.pdf_forward = eval.pdf_forward;
   result.pdf_reverse = eval.pdf_reverse;

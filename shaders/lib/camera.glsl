@@ -7,11 +7,20 @@
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
+// Amplitudes a1, a2, a3 over a0 of the four-term Blackman-Harris window.
+const vec3 BLACKMAN_HARRIS = vec3(1.36108711, 0.393811847, 0.0325574913);
+
+// The window at t in [0, 1], from the middle to the end, as a density.
+float blackman_harris_density(float t) {
+  float c = cos_sin_turns(0.5 * t).x;
+  float c4 = 4.0 * c * c;
+  return max(1.0 + dot(BLACKMAN_HARRIS, vec3(c, 0.5 * c4 - 1.0, c * (c4 - 3.0))), 0.0);
+}
+
 // Position t in [0, 1] below which the share `v` of one half of the four-term Blackman-Harris window lies (Harris, "On
 // the Use of Windows for Harmonic Analysis", 1978; minimum four-term). A rational fit in sqrt(-ln(1 - v)), off by less
 // than 0.0032, then two Newton steps: the share below the result differs from v by less than 4e-7.
 float invert_blackman_harris(float v) {
-  const vec3 AMPLITUDE = vec3(1.36108711, 0.393811847, 0.0325574913);  // a1, a2, a3 over a0
   float q = sqrt(-log(max(1.0 - v, 5e-8)));
   float t = q * q * (0.43522578 - 0.0614911 * q) / (1.0 + q * (0.45824791 + 0.01216426 * q));
   for (int step = 0; step < 2; ++step) {
@@ -20,8 +29,8 @@ float invert_blackman_harris(float v) {
     float c4 = 4.0 * cs.x * cs.x;
     vec3 sines = cs.y * vec3(1.0, 2.0 * cs.x, c4 - 1.0);           // of 1, 2 and 3 pi t
     vec3 cosines = vec3(cs.x, 0.5 * c4 - 1.0, cs.x * (c4 - 3.0));
-    float share = t + INV_PI * dot(AMPLITUDE, sines * vec3(1.0, 0.5, 0.333333333));
-    t -= (share - v) / (1.0 + dot(AMPLITUDE, cosines));
+    float share = t + INV_PI * dot(BLACKMAN_HARRIS, sines * vec3(1.0, 0.5, 0.333333333));
+    t -= (share - v) / (1.0 + dot(BLACKMAN_HARRIS, cosines));
   }
   return clamp(t, 0.0, 1.0);
 }
@@ -67,6 +76,9 @@ void camera_ray(Camera camera, vec2 film, vec2 size, vec2 u, out vec3 origin, ou
 float filter_density(vec2 offset, float radius, float sigma) {
   if (max(abs(offset.x), abs(offset.y)) > radius) return 0.0;
   if (spec_filter == FILTER_BOX) return radius > 0.0 ? 0.25 / square(radius) : 0.0;
+  if (spec_filter == FILTER_BLACKMAN_HARRIS)
+    return blackman_harris_density(abs(offset.x) / radius) * blackman_harris_density(abs(offset.y) / radius) *
+           (0.25 / square(radius));
   float scale = sigma * 1.41421356;
   float norm = sqrt(PI) * scale * erf_accurate(radius / scale);
   return exp_accurate(-dot(offset, offset) / square(scale)) / square(norm);

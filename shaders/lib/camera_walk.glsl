@@ -3,6 +3,7 @@
 #define REGULUS_LIB_CAMERA_WALK_GLSL
 
 #include "lib/mis.glsl"
+#include "lib/regularization.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 
@@ -28,7 +29,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   LightSample light = sample_light(frame, point.surface.position, u);
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
-  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE);
+  Regularization regularization = regularization_of(frame, path.sample_index);
+  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
   float hit_ratio = light.is_delta ? 0.0 : bsdf.pdf_forward / light.pdf;
   float weight = mis_weight_nee(counts, vertex, hit_ratio, emission_pdf, bsdf.pdf_reverse);
@@ -66,8 +68,8 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  bool is_delta = (next.flags & BSDF_SAMPLE_DELTA) != 0u;
-  mis_scatter(counts, vertex, is_delta ? 0.0 : 1.0 / next.pdf_forward, next.pdf_reverse / next.pdf_forward,
+  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization_of(frame, path.sample_index));
+  mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward,
               dot(direction, point.geometric_normal), path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;

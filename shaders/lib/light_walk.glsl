@@ -5,6 +5,7 @@
 
 #include "lib/camera.glsl"
 #include "lib/mis.glsl"
+#include "lib/regularization.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 
@@ -50,7 +51,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
   vec3 wi = to_local(point, lens.wi);
   if (!lens.is_visible || is_off_film(frame, lens.film) || !sides_agree(point, lens.wi, wi)) return;
-  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE);
+  Regularization regularization = regularization_of(frame, path.sample_index);
+  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
   float weight = mis_weight_splat(counts, vertex, bsdf.pdf_reverse, area_pdf);
   float correction = shading_correction(point, -path.direction, point.wo.z);
@@ -82,8 +84,8 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  bool is_delta = (next.flags & BSDF_SAMPLE_DELTA) != 0u;
-  mis_scatter(counts, vertex, is_delta ? 0.0 : 1.0 / next.pdf_forward, next.pdf_reverse / next.pdf_forward, cos_out, path);
+  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization_of(frame, path.sample_index));
+  mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward, cos_out, path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
   STORE(PathBuffer, frame.paths, slot, path);

@@ -73,6 +73,7 @@ float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shadi
 
 // True if the surface has a lobe that connections and merges can use.
 bool is_connectible(ShadingPoint point) {
+  if (spec_regularization != REGULARIZATION_NONE) return true;
   if (!bsdf_has_delta() || point.bsdf.alpha.x > 0.0) return true;
   return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
 }

@@ -12,5 +12,8 @@ layout(constant_id = SPEC_FEATURES) const uint spec_features = 0xFFFFFFFFu;
 layout(constant_id = SPEC_TECHNIQUES) const uint spec_techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
 layout(constant_id = SPEC_FILTER) const uint spec_filter = FILTER_BLACKMAN_HARRIS;
 layout(constant_id = SPEC_SAMPLER) const uint spec_sampler = SAMPLER_SOBOL;
+layout(constant_id = SPEC_REGULARIZATION) const uint spec_regularization = REGULARIZATION_NONE;
+layout(constant_id = SPEC_BOUND) const uint spec_bound = BOUND_PEAK;
+layout(constant_id = SPEC_MIS) const uint spec_mis = MIS_BLENDED;
 
 #endif

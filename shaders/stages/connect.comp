@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/mis.glsl"
+#include "lib/regularization.glsl"
 #include "lib/shading.glsl"
 
 // Over how many connections the estimate of one camera vertex is divided.
@@ -30,8 +31,11 @@ void main() {
   ShadingPoint light_point = shading_point(frame, light.triangle, light.barycentrics, light.direction);
   vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local(light_point, -direction);
   if (!sides_agree(camera_point, direction, camera_wi) || !sides_agree(light_point, -direction, light_wi)) return;
-  BsdfEval camera_bsdf = bsdf_evaluate(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE);
-  BsdfEval light_bsdf = bsdf_evaluate(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE);
+  Path path = LOAD(PathBuffer, frame.paths, pair.slot);
+  Regularization regularization = regularization_of(frame, path.sample_index);
+  BsdfEval camera_bsdf =
+      bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE, regularization);
+  BsdfEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE, regularization);
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
@@ -48,7 +52,7 @@ void main() {
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
-  candidate.path = LOAD(PathBuffer, frame.paths, pair.slot).pixel;
+  candidate.path = path.pixel;
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);

@@ -5,6 +5,7 @@
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
 #include "lib/mis.glsl"
+#include "lib/regularization.glsl"
 #include "lib/shading.glsl"
 
 // The grid entries of the cells near a point: ranges without duplicates (cells may share a hash).
@@ -38,10 +39,10 @@ Neighbourhood neighbourhood(Frame frame, vec3 position) {
 
 // What one light vertex contributes at the camera vertex.
 vec3 merge_contribution(ShadingPoint point, PathVertex camera, MisVertex camera_mis, PathVertex light,
-                        TechniqueCounts counts) {
+                        TechniqueCounts counts, Regularization regularization) {
   vec3 wi = to_local(point, light.direction);
   if (!sides_agree(point, light.direction, wi)) return vec3(0.0);
-  BsdfEval bsdf = bsdf_evaluate(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE);
+  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   MisVertex light_mis = mis_light_vertex(counts, light.mis_a, light.mis_b, light.edges & PATH_VERTEX_EDGES);
   float weight = mis_weight_merge(counts, light_mis, bsdf.pdf_forward, camera_mis, bsdf.pdf_reverse);
   float correction = shading_correction(point, light.direction, wi.z);
@@ -67,6 +68,8 @@ void main() {
     place -= near.count[range];
     range += 1u;
   }
+  Path path = LOAD(PathBuffer, frame.paths, slot);
+  Regularization regularization = regularization_of(frame, path.sample_index);
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
   uint visits = min(near.total - skipped, MERGE_ROUND_LENGTH);
@@ -81,12 +84,12 @@ void main() {
     if (dot(offset, offset) > square(stage.merge_radius)) continue;
     PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, entry.vertex);
     if (camera.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
-    vec3 contribution = merge_contribution(point, camera, camera_mis, light, counts);
+    vec3 contribution = merge_contribution(point, camera, camera_mis, light, counts, regularization);
     if (is_valid_sample(contribution))
       fixed_sum_add(sum, contribution);
     else
       is_valid = false;
   }
   if (!is_valid) count_events(COUNTER_NON_FINITE, 1u);
-  film_add_sum(frame.film, LOAD(PathBuffer, frame.paths, slot).pixel, sum);
+  film_add_sum(frame.film, path.pixel, sum);
 }
