@@ -5,6 +5,7 @@
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -16,6 +17,7 @@
 #include "cli/reference_render.hpp"
 #include "cli/render_options.hpp"
 #include "cli/stats.hpp"
+#include "cli/stop_rule.hpp"
 #include "image/atomic_file.hpp"
 #include "render/renderer.hpp"
 
@@ -107,6 +109,9 @@ void require_complete(bool is_complete, const Outputs& outputs) {
 // --backend reference. Its statistics are those that need no device.
 void render_by_reference(const RenderOptions& options, const Outputs& outputs, const scene::Scene& scene,
                          const bvh::Bvh& bvh, const render::RenderSettings& settings) {
+  if (options.time_limit || options.noise_target)
+    throw Error(ExitStatus::BadUsage,
+                "--time and --noise need --backend vulkan; give --spp to the reference");
   Stopwatch stopwatch;
   catch_interrupts();
   ReferenceRender rendered;
@@ -128,8 +133,17 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
   require_complete(rendered.samples == settings.samples, outputs);
 }
 
-void render_scene(CLI::App& command, const RenderOptions& options) {
+void print_noise(double noise, double target) {
+  if (std::isnan(noise))
+    fmt::print("relative error unknown: more samples are needed to estimate it\n");
+  else
+    fmt::print("estimated relative error {:.4g}{}\n", noise,
+               noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
+}
+
+void render_scene(CLI::App& command, RenderOptions& options) {
   set_up_log(options);
+  lift_sample_limit(command, options);
   const Outputs outputs = resolve_outputs(options);
   Stopwatch stopwatch;
   LoadTimes times;
@@ -156,26 +170,32 @@ void render_scene(CLI::App& command, const RenderOptions& options) {
   times.pipeline_seconds = device.pipeline_seconds();
 
   catch_interrupts();
+  StopRule stop(options, uint64_t{settings.width} * settings.height);
   std::optional<Error> failure;
   try {
     ProgressLine progress(!options.is_quiet);
     renderer.render([&](uint64_t done, uint64_t total) {
       progress.update(done, total);
-      return !is_interrupted();
+      return !is_interrupted() && !stop.is_reached(renderer.film(), done);
     });
   } catch (const Error& error) {
     failure = error;  // a lost device: what was rendered before is still written
     if (renderer.film().paths == 0) throw;
   }
+  const bool is_finished =
+      stop.was_reached() ||
+      renderer.film().paths >= uint64_t{settings.width} * settings.height * settings.samples;
+  stop.is_reached(renderer.film(), renderer.film().paths);  // says the noise of what is written
+  nlohmann::json statistics = render_statistics(device, scene, settings, renderer, times);
+  if (options.noise_target) statistics["noise"] = stop.noise();
   write_outputs(outputs, options, resolve(renderer.film()),
-                image_attributes(device, scene, settings, renderer),
-                render_statistics(device, scene, settings, renderer, times));
+                image_attributes(device, scene, settings, renderer), statistics);
   report(renderer, settings, outputs);
+  if (options.noise_target && !options.is_quiet) print_noise(stop.noise(), *options.noise_target);
   if (failure)
     throw Error(failure->status(),
                 fmt::format("{}; {} holds what was rendered before", failure->what(), outputs.exr.string()));
-  require_complete(renderer.film().paths == uint64_t{settings.width} * settings.height * settings.samples,
-                   outputs);
+  require_complete(is_finished, outputs);
 }
 
 }  // namespace

@@ -19,6 +19,7 @@ using namespace interface;
 
 // Film sizes beyond this are refused: 2^31 pixels would overflow path indices.
 constexpr uint32_t MAX_SIDE = 32768;
+constexpr uint32_t MAX_SAMPLES = 1u << 24;
 
 const std::map<std::string, uint32_t> NDF_NAMES = {
     {"ggx", NDF_GGX}, {"beckmann", NDF_BECKMANN}, {"cosine", NDF_COSINE}};
@@ -188,8 +189,20 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->transform(CLI::CheckedTransformer(MIS_NAMES))
       ->default_str("blended");
   command.add_option("-s,--spp", settings.samples, "Samples per pixel")
-      ->check(CLI::Range(1u, 1u << 24))
+      ->check(CLI::Range(1u, MAX_SAMPLES))
       ->capture_default_str();
+  command
+      .add_option(
+          "--time", options.time_limit,
+          "Stop after this many seconds of rendering, but not before every pixel has a sample. Without "
+          "--spp on the command line as many samples as the time allows")
+      ->check(CLI::Range(0.0, 1e9));
+  command
+      .add_option(
+          "--noise", options.noise_target,
+          "Stop when the estimated relative error of the picture (root of relmse) is this small. Without "
+          "--spp on the command line as many samples as that takes")
+      ->check(CLI::Range(0.0, 1e3));
   command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
@@ -251,8 +264,15 @@ void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
   }
 }
 
+void lift_sample_limit(const CLI::App& command, RenderOptions& options) {
+  if ((options.time_limit || options.noise_target) && command.get_option("--spp")->count() == 0)
+    options.has_no_sample_limit = true;
+}
+
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene) {
   render::RenderSettings settings = options.settings;
+  if (options.has_no_sample_limit) settings.samples = MAX_SAMPLES;
+  settings.keeps_doublings = options.noise_target.has_value();
   settings.camera = options.camera.empty() ? 0 : find_camera(options.camera, scene);
   const glm::uvec2 size =
       options.size.empty() ? default_size(scene, settings.camera) : parse_size(options.size);

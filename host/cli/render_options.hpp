@@ -26,8 +26,11 @@ struct RenderOptions {
   std::string device;
   std::string backend = "vulkan";  ///< or "reference": the scalar reference, which needs no device
   float exposure_ev = 0;
+  std::optional<double> time_limit;    ///< seconds of rendering; none: all samples
+  std::optional<double> noise_target;  ///< see render::NoiseEstimate; none: all samples
   std::optional<float> filter_radius;  ///< pixels; none: the filter's own
   std::optional<uint32_t> scene_index;
+  bool has_no_sample_limit = false;  ///< render until the time or the noise is reached
   bool allow_external = false;
   bool is_quiet = false, is_verbose = false;
   render::RenderSettings settings;
@@ -35,6 +38,10 @@ struct RenderOptions {
 
 /// Declares the options on the subcommand. `options` must outlive the parse.
 void declare_render_options(CLI::App& command, RenderOptions& options);
+
+/// With --time or --noise and no --spp there is no limit to the samples. Call before the scene's settings are
+/// applied: their spp gives way too.
+void lift_sample_limit(const CLI::App& command, RenderOptions& options);
 
 /// Takes the settings of scenes[].extras.regulus for every option the command line did not give.
 /// Unknown names and names that make no sense in a scene become warnings of the scene.

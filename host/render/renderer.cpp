@@ -171,7 +171,8 @@ struct Renderer::Impl {
       if (wave_ms > LONG_WAVE_MS) wave_paths = std::max(WORKGROUP_SIZE, wave_paths / 2);
     }
     is_running = (*progress)(finished, total_paths) && is_running;
-    if (seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
+    const bool has_doubled = settings.keeps_doublings && finished >= std::max(pixels, 2 * film.paths);
+    if (has_doubled || seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
       take_snapshot();
       last_snapshot = Clock::now();
     }

@@ -40,9 +40,10 @@ struct RenderSettings {
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   uint32_t filter = interface::FILTER_BLACKMAN_HARRIS;
-  float filter_radius = 1.5f;  ///< pixels; box: half the pixel is 0.5
-  float filter_sigma = 0.5f;   ///< pixels, Gaussian
-  uint32_t wave_paths = 0;     ///< path slots per wave; 0: chosen for the device. Never changes the image
+  float filter_radius = 1.5f;    ///< pixels; box: half the pixel is 0.5
+  float filter_sigma = 0.5f;     ///< pixels, Gaussian
+  bool keeps_doublings = false;  ///< film() is brought up to date whenever the number of paths has doubled
+  uint32_t wave_paths = 0;       ///< path slots per wave; 0: chosen for the device. Never changes the image
 };
 
 }  // namespace regulus::render

@@ -1,0 +1,41 @@
+// When a render stops before all its samples are done.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+
+#include "cli/render_options.hpp"
+#include "render/noise.hpp"
+
+namespace regulus::cli {
+
+/// --time and --noise. The time runs from construction.
+class StopRule {
+ public:
+  /// @param pixels of the film
+  StopRule(const RenderOptions& options, uint64_t pixels)
+      : time_limit_(options.time_limit), noise_target_(options.noise_target), pixels_(pixels) {}
+
+  /// True if `film`, the last state of the film while `paths` are done, is good enough or the time is up.
+  bool is_reached(const render::Film& film, uint64_t paths) {
+    if (noise_target_) noise_.observe(film);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    is_reached_ = is_reached_ || (paths >= pixels_ && time_limit_ && seconds >= *time_limit_) ||
+                  (noise_target_ && noise_.relative_error() <= *noise_target_);
+    return is_reached_;
+  }
+
+  bool was_reached() const { return is_reached_; }
+  /// Of the last film observed; NaN if the noise was not followed or cannot be told yet.
+  double noise() const { return noise_.relative_error(); }
+
+ private:
+  std::optional<double> time_limit_, noise_target_;
+  uint64_t pixels_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  render::NoiseEstimate noise_;
+  bool is_reached_ = false;
+};
+
+}  // namespace regulus::cli
