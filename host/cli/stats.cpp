@@ -83,11 +83,14 @@ nlohmann::json stages_json(const render::RenderSettings& settings, const scene::
     const auto found = statistics.stages.find(step.name);
     const render::StageStatistics stage =
         found == statistics.stages.end() ? render::StageStatistics{} : found->second;
+    const bool is_skipped = !render::is_needed(step, features, effective);
+    // Stages may share a queue: what another one worked on is not this one's.
+    const uint64_t items = is_skipped ? 0 : statistics.items(step);
     stages.push_back({{"name", step.name},
                       {"dispatches", stage.dispatches},
-                      {"items", statistics.items(step)},
+                      {"items", items},
                       {"device_ms", stage.device_ms},
-                      {"skipped", !render::is_needed(step, features, effective)}});
+                      {"skipped", is_skipped}});
   }
   return stages;
 }
