@@ -10,6 +10,7 @@
 
 #include "scene/accessor.hpp"
 #include "scene/instancing.hpp"
+#include "scene/uv_mapping.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -109,6 +110,14 @@ glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::
   return normal / std::sqrt(length_squared);
 }
 
+UvMapping mapping_of(Document& document, const Instance& instance) {
+  const int material = primitive_of(document, instance).material;
+  if (material < 0) return {};
+  const auto index = static_cast<size_t>(material);
+  const tinygltf::Material& source = document.model.materials[index];
+  return uv_mapping(document, source, element_name("material", index, source.name));
+}
+
 /// Flattens one primitive.
 class PrimitiveBuilder {
  public:
@@ -119,7 +128,9 @@ class PrimitiveBuilder {
         tally_(tally),
         positions_(*attribute(document, instance, "POSITION", TINYGLTF_TYPE_VEC3)),
         normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
-        uvs_(attribute(document, instance, "TEXCOORD_0", TINYGLTF_TYPE_VEC2)),
+        uv_mapping_(mapping_of(document, instance)),
+        uvs_(attribute(document, instance, fmt::format("TEXCOORD_{}", uv_mapping_.set).c_str(),
+                       TINYGLTF_TYPE_VEC2)),
         triangles_(document, instance, positions_.count()) {
     const glm::dmat3 linear(instance.to_world);
     const double determinant = glm::determinant(linear);
@@ -136,6 +147,9 @@ class PrimitiveBuilder {
   void build() {
     require_same_count(normals_);
     require_same_count(uvs_);
+    if (!uvs_ && uv_mapping_.set != 0)
+      document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
+                                 instance_name(document_, instance_), uv_mapping_.set));
     if (triangles_.leftover() != 0)
       document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
                                  instance_name(document_, instance_), triangles_.leftover()));
@@ -169,7 +183,7 @@ class PrimitiveBuilder {
 
   glm::vec2 uv(uint64_t i) {
     if (!uvs_) return glm::vec2(0);
-    const glm::vec2 value = uvs_->vec2_at(i);
+    const glm::vec2 value = uv_mapping_.apply(uvs_->vec2_at(i));
     if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
     ++tally_.bad_uvs;
     return glm::vec2(0);
@@ -244,6 +258,7 @@ class PrimitiveBuilder {
   Tally& tally_;
   AccessorReader positions_;
   std::optional<AccessorReader> normals_;
+  UvMapping uv_mapping_;
   std::optional<AccessorReader> uvs_;
   TriangleList triangles_;
   bool is_mirrored_ = false;

@@ -137,39 +137,29 @@ class MaterialBuilder {
 /// Attaches the textures of one material.
 class TextureSlots {
  public:
-  TextureSlots(Document& document, TextureLoader& loader, const tinygltf::Material& source, std::string name)
-      : document_(document), loader_(loader), source_(source), name_(std::move(name)) {}
+  TextureSlots(TextureLoader& loader, const tinygltf::Material& source) : loader_(loader), source_(source) {}
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
-    material.base_color_texture =
-        load(pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord, TextureContent::Color);
-    material.metallic_roughness_texture =
-        load(pbr.metallicRoughnessTexture.index, pbr.metallicRoughnessTexture.texCoord, TextureContent::Data);
+    material.base_color_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
+    material.metallic_roughness_texture = load(pbr.metallicRoughnessTexture.index, TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
-      material.emissive_texture =
-          load(source_.emissiveTexture.index, source_.emissiveTexture.texCoord, TextureContent::Color);
+      material.emissive_texture = load(source_.emissiveTexture.index, TextureContent::Color);
     const auto transmission = source_.extensions.find("KHR_materials_transmission");
     if (material.transmission > 0 && transmission->second.Has("transmissionTexture")) {
       const Value& info = transmission->second.Get("transmissionTexture");
-      const int set = info.Has("texCoord") ? info.Get("texCoord").GetNumberAsInt() : 0;
       material.transmission_texture =
-          load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, set, TextureContent::Data);
+          load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, TextureContent::Data);
     }
   }
 
  private:
-  uint32_t load(int texture, int uv_set, TextureContent content) {
-    if (texture < 0) return INVALID_INDEX;
-    if (uv_set != 0)
-      document_.warn(fmt::format("{}: texture coordinate set {} is not read, 0 is used", name_, uv_set));
-    return loader_.load(texture, content);
+  uint32_t load(int texture, TextureContent content) {
+    return texture < 0 ? INVALID_INDEX : loader_.load(texture, content);
   }
 
-  Document& document_;
   TextureLoader& loader_;
   const tinygltf::Material& source_;
-  std::string name_;
 };
 
 /// Textures that change the look but are not read, from the file as written.
@@ -191,7 +181,7 @@ void add_materials(Document& document, Scene& scene) {
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();
-    if (is_used[i]) TextureSlots(document, loader, sources[i], name).attach(material);
+    if (is_used[i]) TextureSlots(loader, sources[i]).attach(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);
   }

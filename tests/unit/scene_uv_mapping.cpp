@@ -1,0 +1,94 @@
+// Texture coordinate sets and KHR_texture_transform, against the examples of its specification.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "scene_files.hpp"
+
+namespace regulus::scene::test {
+namespace {
+
+/// The triangle with uv (0,0) (1,0) (0,1), and the uvs (5,6) (7,8) (9,10) in set 1, under a texture with this
+/// info.
+Gltf textured(const json& transform, const json& other_transform = json()) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(1, 1, 3, 8, {10, 20, 30}));
+  json info = {{"index", texture}}, other = info;
+  if (!transform.is_null()) info["extensions"]["KHR_texture_transform"] = transform;
+  if (!other_transform.is_null()) other["extensions"]["KHR_texture_transform"] = other_transform;
+  json pbr = {{"baseColorTexture", info}};
+  if (!other_transform.is_null()) pbr["metallicRoughnessTexture"] = other;
+  file.triangle_of({{"pbrMetallicRoughness", pbr}});
+  file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_1"] =
+      file.accessor(std::vector<float>{5, 6, 7, 8, 9, 10}, "VEC2", FLOAT);
+  return file;
+}
+
+std::vector<glm::vec2> uvs(const Scene& scene) {
+  std::vector<glm::vec2> result;
+  for (const interface::Vertex& vertex : scene.vertices) result.push_back(vertex.uv);
+  return result;
+}
+
+void expect_uvs(const json& transform, const std::vector<glm::vec2>& expected) {
+  const std::vector<glm::vec2> actual = uvs(textured(transform).load());
+  ASSERT_EQ(actual.size(), expected.size());
+  for (size_t i = 0; i < actual.size(); ++i)
+    EXPECT_LT(glm::distance(actual[i], expected[i]), 1e-6f)
+        << transform << ' ' << i << ": " << actual[i].x << ' ' << actual[i].y;
+}
+
+TEST(SceneUvMapping, WithoutATransformCoordinatesStay) {
+  EXPECT_EQ(uvs(textured(json()).load()), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}}));
+  EXPECT_EQ(uvs(textured(json::object()).load()), (std::vector<glm::vec2>{{0, 0}, {1, 0}, {0, 1}}));
+}
+
+// "This example inverts the T axis": (u, v) becomes (u, 1 - v).
+TEST(SceneUvMapping, TheTAxisIsInverted) {
+  expect_uvs({{"offset", {0, 1}}, {"scale", {1, -1}}}, {{0, 1}, {1, 1}, {0, 0}});
+}
+
+// "This example utilizes only the lower left quadrant of the source image, rotated clockwise 90 degrees":
+// what was at the lower left of that quadrant, (0, 1), is seen at the top left, uv (0, 0); going right on the
+// surface goes up in the image, going down goes right.
+TEST(SceneUvMapping, TheLowerLeftQuadrantIsSeenRotatedClockwise) {
+  expect_uvs({{"offset", {0, 1}}, {"rotation", std::numbers::pi / 2}, {"scale", {0.5, 0.5}}},
+             {{0, 1}, {0, 0.5f}, {0.5f, 1}});
+}
+
+// Scale first, then rotation, then offset: with unequal scales the order shows. cos 30 = 0.866, sin 30 = 0.5.
+TEST(SceneUvMapping, ScaleComesBeforeRotationBeforeOffset) {
+  const float c = std::sqrt(0.75f);
+  expect_uvs({{"offset", {10, 20}}, {"rotation", std::numbers::pi / 6}, {"scale", {2, 3}}},
+             {{10, 20}, {10 + 2 * c, 20 - 1}, {10 + 1.5f, 20 + 3 * c}});
+}
+
+TEST(SceneUvMapping, TheTransformsSetWinsOverTheTextures) {
+  expect_uvs({{"texCoord", 1}}, {{5, 6}, {7, 8}, {9, 10}});
+  expect_uvs({{"texCoord", 1}, {"scale", {2, 1}}}, {{10, 6}, {14, 8}, {18, 10}});
+  Gltf file = textured(json());
+  file.root["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1;
+  EXPECT_EQ(uvs(file.load()), (std::vector<glm::vec2>{{5, 6}, {7, 8}, {9, 10}}));
+}
+
+TEST(SceneUvMapping, DifferencesAndAbsencesAreWarnings) {
+  const json doubled = {{"scale", {2, 2}}};
+  EXPECT_FALSE(has_warning(textured(doubled, doubled).load(), "different coordinates"));
+  const Scene different = textured(doubled, {{"scale", {3, 3}}}).load();
+  EXPECT_TRUE(has_warning(different, "different coordinates"));
+  EXPECT_EQ(different.vertices[1].uv, glm::vec2(2, 0));
+  EXPECT_TRUE(has_warning(textured({{"texCoord", 7}}).load(), "has no TEXCOORD_7"));
+}
+
+TEST(SceneUvMapping, BrokenTransformsAreErrors) {
+  EXPECT_NE(load_error(textured({{"scale", {1, 1, 1}}})).find("an array of 2 numbers"), std::string::npos);
+  EXPECT_NE(load_error(textured({{"offset", "left"}})).find("an array of 2 numbers"), std::string::npos);
+  EXPECT_NE(load_error(textured({{"rotation", {0, 0, 0, 1}}})).find("a number"), std::string::npos);
+  EXPECT_NE(load_error(textured({{"texCoord", -1}})).find("an integer"), std::string::npos);
+  // What leaves single precision is no coordinate.
+  EXPECT_TRUE(has_warning(textured({{"scale", {1e300, 1e300}}}).load(), "not finite"));
+}
+
+}  // namespace
+}  // namespace regulus::scene::test
