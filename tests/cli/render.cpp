@@ -200,6 +200,8 @@ TEST_F(Render, InterruptWritesWhatWasRendered) {
     std::this_thread::sleep_for(std::chrono::seconds(1));
     const auto sent = std::chrono::steady_clock::now();
     process.send(signal);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    process.send(signal);  // as timeout(1) does, to the child and to its group
     const Finished finished = process.wait();
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sent).count();
     expect_error(finished, 130, {"out.exr"});
