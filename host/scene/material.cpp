@@ -18,6 +18,10 @@ using tinygltf::Value;
 
 constexpr double INFINITE_IOR = 1e6;
 
+bool is_unlit(const tinygltf::Material& material) {
+  return material.extensions.count("KHR_materials_unlit") != 0;
+}
+
 /// Converts one material; holds what all its steps need.
 class MaterialBuilder {
  public:
@@ -40,6 +44,7 @@ class MaterialBuilder {
     set_dielectric(material);
     set_transmission(material);
     set_emission(material);
+    if (is_unlit(source_)) make_unlit(material);
     material.material_class = classify(material);
     warn_of_ignored();
     return material;
@@ -113,6 +118,17 @@ class MaterialBuilder {
     if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
   }
 
+  /// KHR_materials_unlit: seen in its base colour from both sides whatever the light, that is, black and
+  /// glowing. So it lights what is near it, like anything that is seen without being lit.
+  static void make_unlit(interface::Material& material) {
+    material.emission = material.base_color;
+    material.base_color = material.specular_color = glm::vec3(0);
+    material.metallic = material.specular = material.transmission = 0;
+    material.absorption = glm::vec3(0);
+    material.flags = interface::MATERIAL_DOUBLE_SIDED;
+    if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
+  }
+
   /// Which lobes the material can have: without dielectric reflection (see shaders/lib/bsdf.glsl: F_d = 0
   /// when specular is 0 or ior is 1), metal and transmission, Lambert is all.
   static uint32_t classify(const interface::Material& material) {
@@ -141,6 +157,11 @@ class TextureSlots {
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
+    if (is_unlit(source_)) {
+      if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
+        material.emissive_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
+      return;
+    }
     material.base_color_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
     material.metallic_roughness_texture = load(pbr.metallicRoughnessTexture.index, TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)

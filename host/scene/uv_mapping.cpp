@@ -58,6 +58,8 @@ glm::vec2 UvMapping::apply(const glm::vec2& uv) const {
 UvMapping uv_mapping(Document& document, const tinygltf::Material& material, const std::string& name) {
   std::vector<UvMapping> mappings;
   add(mappings, material.pbrMetallicRoughness.baseColorTexture);
+  if (material.extensions.count("KHR_materials_unlit") != 0)  // shows nothing else
+    return mappings.empty() ? UvMapping{} : mappings.front();
   add(mappings, material.pbrMetallicRoughness.metallicRoughnessTexture);
   add(mappings, material.emissiveTexture);
   const auto transmission = material.extensions.find("KHR_materials_transmission");

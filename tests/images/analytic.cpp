@@ -292,5 +292,21 @@ TEST_F(Analytic, ThinGlassPassesWhatOneInterfaceDoesNotReflect) {
       uniform_image(8, 8, {1 - f, f, 0.5}), options);
 }
 
+// KHR_materials_unlit under a light that would add a hundred times its colour: every value is the base colour
+// itself.
+TEST_F(Analytic, UnlitSurfacesShowTheirBaseColourExactly) {
+  nlohmann::json unlit = lambert(ALBEDO);
+  unlit["extensions"]["KHR_materials_unlit"] = nlohmann::json::object();
+  for (const double height : {0.05, -0.05}) {  // both faces
+    GltfScene scene;
+    scene.add({quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0})}, unlit);
+    scene.set_orthographic(look_at({0, 0, height}, {0, 0, 0}), 1, 1);
+    scene.add_point_light({0, 0, height}, {1000, 1000, 1000});
+    const image::Image found = render(prepare(scene), point_sampled(8, 8, 5)).image;
+    for (size_t i = 0; i < found.rgb.size(); ++i)
+      ASSERT_EQ(found.rgb[i], static_cast<float>(ALBEDO[static_cast<int>(i % 3)])) << i;
+  }
+}
+
 }  // namespace
 }  // namespace regulus::test

@@ -63,6 +63,26 @@ TEST(SceneMaterial, FactorsAreRead) {
   EXPECT_EQ(material.flags, interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE);
 }
 
+TEST(SceneMaterial, UnlitGlowsInItsBaseColourAndReflectsNothing) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(1, 1, 3, 8, {255, 0, 0}));
+  file.triangle_of(
+      {{"extensions",
+        {{"KHR_materials_unlit", json::object()},
+         {"KHR_materials_transmission", {{"transmissionFactor", 1}}}}},
+       {"emissiveFactor", {1, 1, 1}},
+       {"pbrMetallicRoughness",
+        {{"baseColorFactor", {0.25, 0.5, 0.75, 1}}, {"baseColorTexture", {{"index", texture}}}}}});
+  file.root["extensionsRequired"] = {"KHR_materials_unlit"};
+  const interface::Material material = file.load().materials.at(0);
+  EXPECT_EQ(material.emission, glm::vec3(0.25f, 0.5f, 0.75f));
+  EXPECT_EQ(material.emissive_texture, 0u);
+  EXPECT_EQ(material.base_color_texture, interface::INVALID_INDEX);
+  EXPECT_EQ(material.base_color, glm::vec3(0));
+  EXPECT_EQ(material.material_class, interface::MATERIAL_CLASS_DIFFUSE);
+  EXPECT_EQ(material.flags, interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE);
+}
+
 TEST(SceneMaterial, VolumesAttenuate) {
   const json transmission = {{"transmissionFactor", 1}};
   const auto volume = [&](const json& content) {
