@@ -4,7 +4,7 @@ import math
 
 from .gltf import Gltf
 from .mesh import Mesh, box, join, quad, sphere
-from .solids import arc, height_field, lathe, moved, tilted_frame
+from .solids import arc, disk, height_field, lathe, moved, tilted_frame
 from .vec import look_at, normalize, scale
 
 WIDTH, LENGTH, DEPTH = 4.0, 3.0, 1.1  # x, z, and from the water's mean level (y = 0) down
@@ -13,7 +13,7 @@ TILE, GROUT = 0.2, 0.008
 TILES = ((0.16, 0.45, 0.60), (0.30, 0.62, 0.72), (0.75, 0.84, 0.86))
 WATER_TINT = ((0.45, 0.80, 0.88), 4.0)  # left of white after so many metres
 SUN_DIRECTION = normalize((0.45, 0.80, 0.28))  # towards it
-SUN_DISTANCE, SUN_HALF_ANGLE = 60.0, math.radians(0.27)
+SUN_DISTANCE, SUN_HALF_ANGLE = 14.0, math.radians(0.27)  # so near that light paths from it find the pool
 SUN_IRRADIANCE = (4.4, 4.0, 3.4)
 SKY = (0.22, 0.34, 0.52)
 # Waves: amplitude in metres, wave vector in rad/m, phase.
@@ -114,18 +114,15 @@ def toys(scene):
 def sky(scene):
     radius = SUN_DISTANCE * math.tan(SUN_HALF_ANGLE)
     x, y, z = tilted_frame(SUN_DIRECTION, (0.0, 0.0, 1.0))
-    disk = Mesh([(radius * math.cos(a), 0.0, -radius * math.sin(a)) for a in
-                 (2 * math.pi * k / 32 for k in range(32))], [(0, k, k + 1) for k in range(1, 31)], [(0.0, -1.0, 0.0)] * 32)
-    disk.triangles = [(a, c, b) for a, b, c in disk.triangles]
     solid_angle = math.pi * math.tan(SUN_HALF_ANGLE) ** 2
-    scene.add_surface("sun", moved(disk, x, y, z, scale(SUN_DIRECTION, SUN_DISTANCE)),
+    scene.add_surface("sun", moved(disk(radius, 32), x, y, z, scale(SUN_DIRECTION, SUN_DISTANCE)),
                       scene.light_material("sun", scale(SUN_IRRADIANCE, 1.0 / solid_angle)))
     scene.add_mesh("sky", scene.geometry(sphere(12).turned_inside_out()), scene.light_material("sky", SKY),
-                   (0.0, 0.0, 0.0), SUN_DISTANCE + 5.0)
+                   (0.0, 0.0, 0.0), SUN_DISTANCE + 1.0)
 
 
 def build():
-    scene = Gltf("A tiled pool under a small sun", (768, 512), {"integrator": "vcm", "spp": 512, "max-depth": 12, "merge-radius": "0.012",
+    scene = Gltf("A tiled pool under a small sun", (768, 512), {"integrator": "vcm", "spp": 512, "max-depth": 12, "merge-radius": "0.02",
                                                    "exposure": -0.7})
     pool_walls(scene)
     scene.add_surface("water", water(), scene.glass("water", 1.33, attenuation=WATER_TINT))

@@ -153,6 +153,12 @@ def turned_about_y(mesh, degrees, origin=(0.0, 0.0, 0.0)):
     return moved(mesh, (c, 0.0, -s), (0.0, 1.0, 0.0), (s, 0.0, c), origin)
 
 
+def disk(radius, corners):
+    """Flat disk about the y axis; its front faces -y."""
+    rim = [(radius * math.cos(a), 0.0, radius * math.sin(a)) for a in (2 * math.pi * k / corners for k in range(corners))]
+    return Mesh(rim, [(0, k, k + 1) for k in range(1, corners - 1)], [(0.0, -1.0, 0.0)] * corners)
+
+
 def tilted_frame(y_axis, towards):
     """Orthonormal axes with the given y axis and z axis near `towards`."""
     y = normalize(y_axis)

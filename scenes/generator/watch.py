@@ -3,8 +3,8 @@ through the crystal and seen through it: light that only paths with specular, di
 import math
 
 from .gltf import Gltf
-from .mesh import Mesh, join, quad, sphere
-from .solids import arc, lathe, line, moved, prism, ridged, sweep, turned_about_y
+from .mesh import Mesh, join, quad
+from .solids import arc, disk, lathe, line, moved, prism, ridged, sweep, tilted_frame, turned_about_y
 from .vec import add, look_at, normalize, scale
 
 MM = 0.001
@@ -13,7 +13,7 @@ PRINT = 0.015                    # height of printing above the dial
 TIME = (10, 8, 36.0)             # hours, minutes, seconds on the small dial
 STEEL, GOLD, NAVY = (0.66, 0.65, 0.64), (0.93, 0.72, 0.42), (0.016, 0.048, 0.16)
 SUBDIAL = (0.0, 8.0, 4.3)        # centre x, z (6 o'clock is +z) and radius
-# Centre and radius (m) and radiance of the lamps.
+# Centre and radius (m) and radiance of the lamps: disks that shine at the watch.
 LAMPS = (((-0.11, 0.20, -0.06), 0.006, (2400.0, 2200.0, 1950.0)), ((0.14, 0.17, -0.10), 0.005, (1500.0, 1650.0, 1900.0)),
          ((0.04, 0.24, 0.14), 0.004, (1200.0, 1100.0, 1000.0)))
 # Centre and edges (m) and radiance of dim panels that metal mirrors; fronts towards the watch. The first two stand so low
@@ -204,15 +204,15 @@ def strap(scene):
 def surroundings(scene):
     scene.add_surface("table", quad((0.0, 0.0, 0.0), (0.0, 0.0, 1.6), (1.6, 0.0, 0.0)),
                       scene.material("slate", (0.13, 0.125, 0.12), roughness=0.6))
-    ball = scene.geometry(sphere(12))
     for number, (center, radius, radiance) in enumerate(LAMPS, 1):
-        scene.add_mesh(f"lamp {number}", ball, scene.light_material(f"lamp {number}", radiance), center, radius)
+        lamp = moved(disk(radius, 32), *tilted_frame(center, (0.0, 0.0, 1.0)), center)
+        scene.add_surface(f"lamp {number}", lamp, scene.light_material(f"lamp {number}", radiance))
     for number, (center, u, v, radiance) in enumerate(PANELS, 1):
         scene.add_surface(f"panel {number}", quad(center, u, v), scene.light_material(f"panel {number}", radiance))
 
 
 def build():
-    scene = Gltf("A wristwatch under a domed crystal", (768, 768), {"integrator": "vcm", "spp": 1024, "max-depth": 12, "merge-radius": "0.0004"})
+    scene = Gltf("A wristwatch under a domed crystal", (768, 768), {"integrator": "vcm", "spp": 1024, "max-depth": 12, "merge-radius": "0.0008"})
     case(scene)
     dial(scene)
     hands(scene)
