@@ -29,7 +29,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   LightSample light = sample_light(frame, point.surface.position, u);
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
-  Regularization regularization = regularization_of(frame, path.sample_index);
+  Regularization regularization = regularization_of(frame, path.sample_index, path.bounce + 1u);
   BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
   float hit_ratio = light.is_delta ? 0.0 : bsdf.pdf_forward / light.pdf;
@@ -68,7 +68,8 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization_of(frame, path.sample_index));
+  Regularization regularization = regularization_of(frame, path.sample_index, path.bounce + 1u);
+  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
   mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward,
               dot(direction, point.geometric_normal), path);
   path.medium = medium_towards(point, path.medium, next.wi.z);

@@ -51,8 +51,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
   vec3 wi = to_local(point, lens.wi);
   if (!lens.is_visible || is_off_film(frame, lens.film) || !sides_agree(point, lens.wi, wi)) return;
-  Regularization regularization = regularization_of(frame, path.sample_index);
-  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization);
+  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, UNREGULARIZED);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
   float weight = mis_weight_splat(counts, vertex, bsdf.pdf_reverse, area_pdf);
   float correction = shading_correction(point, -path.direction, point.wo.z);
@@ -84,7 +83,9 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization_of(frame, path.sample_index));
+  // More vertices follow, so this is not the one the camera sees.
+  Regularization regularization = regularization_of(frame, path.sample_index, 2u);
+  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
   mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward, cos_out, path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;

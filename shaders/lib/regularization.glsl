@@ -10,12 +10,19 @@
 // What one path is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
 struct Regularization {
   float tau;          // 1/sr
-  float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1
+  float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not at all
 };
+
+// The vertex that the camera sees is never regularized, whichever technique connects there: what is seen directly
+// stays sharp. Which vertex that is, every technique knows without looking ahead: the first of the camera's, the one
+// a splat connects to the lens; so the weights remain exact.
+const Regularization UNREGULARIZED = Regularization(1e30, 0.0);
 
 bool is_regularized() { return (spec_regularization & REGULARIZATION_ROUGHNESS) != 0u; }
 
-Regularization regularization_of(Frame frame, uint iteration) {
+// For a vertex `camera_edges` path edges from the camera.
+Regularization regularization_of(Frame frame, uint iteration, uint camera_edges) {
+  if (camera_edges <= 1u) return UNREGULARIZED;
   Regularization regularization = Regularization(frame.tau, 1.0);
   if ((spec_regularization & REGULARIZATION_CONSISTENT) != 0u)
     regularization.alpha_scale = exp_accurate(log_accurate(float(iteration) + 1.0) * (-1.0 / 6.0));
@@ -144,6 +151,7 @@ float inverse_walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regu
   bool is_delta = (event.flags & BSDF_SAMPLE_DELTA) != 0u;
   if (!is_regularized() || spec_mis == MIS_UNMODIFIED || !bsdf_has_specular())
     return is_delta ? 0.0 : 1.0 / event.pdf_forward;
+  if (is_delta && regularized_alpha(bsdf, event.facet, regularization).x == 0.0) return 0.0;
   Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
   float pdf = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, regularization).pdf_forward;
   return pdf > 0.0 ? 1.0 / pdf : 0.0;

@@ -32,10 +32,10 @@ void main() {
   vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local(light_point, -direction);
   if (!sides_agree(camera_point, direction, camera_wi) || !sides_agree(light_point, -direction, light_wi)) return;
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
-  Regularization regularization = regularization_of(frame, path.sample_index);
-  BsdfEval camera_bsdf =
-      bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE, regularization);
-  BsdfEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE, regularization);
+  BsdfEval camera_bsdf = bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
+                                      regularization_of(frame, path.sample_index, camera.edges));
+  BsdfEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
+                                     regularization_of(frame, path.sample_index, camera.edges + 1u));
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;

@@ -69,7 +69,7 @@ void main() {
     range += 1u;
   }
   Path path = LOAD(PathBuffer, frame.paths, slot);
-  Regularization regularization = regularization_of(frame, path.sample_index);
+  Regularization regularization = regularization_of(frame, path.sample_index, camera.edges);
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
   uint visits = min(near.total - skipped, MERGE_ROUND_LENGTH);
