@@ -43,6 +43,7 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   LightVertexPlan plan;
   plan.has_vertices = has(settings, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
   plan.has_merges = has(settings, TECHNIQUE_MERGE);
+  plan.has_sharp = has(settings, LIGHT_SUBPATH_TECHNIQUES) && settings.regularization != REGULARIZATION_NONE;
   const bool is_paired = settings.light_paths == uint64_t{settings.width} * settings.height;
   plan.is_per_wave = !has(settings, LIGHT_SUBPATH_TECHNIQUES) ||
                      (is_paired && !plan.has_merges &&
@@ -58,6 +59,7 @@ uint64_t bytes_per_path(const RenderSettings& settings) {
                    MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
   if (has(settings, TECHNIQUE_SPLAT)) bytes += sizeof(SplatCandidate);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
+  if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
     bytes += vertices_per_path(settings) * sizeof(PathVertex) + sizeof(LightPathHead);
   return bytes;
@@ -101,6 +103,8 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
       per_path((1 + pairs) * sizeof(VisibilityCandidate), "visibility candidates", frame_.candidates);
   pairs_ = per_path(MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair), "connection pairs", frame_.pairs);
   if (has(settings, TECHNIQUE_SPLAT)) splats_ = per_path(sizeof(SplatCandidate), "splats", frame_.splats);
+  if (plan_.has_sharp)
+    light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
   if (plan_.has_vertices)
     camera_vertices_ = per_path(sizeof(PathVertex), "camera vertices", frame_.camera_vertices);
 
@@ -135,9 +139,10 @@ void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSet
 }
 
 void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertices) {
-  const uint64_t bytes_each =
-      sizeof(PathVertex) + (plan_.has_merges ? sizeof(GridEntry) + sizeof(uint32_t) : 0);
+  const uint64_t bytes_each = sizeof(PathVertex) + (plan_.has_sharp ? sizeof(vec2) : 0) +
+                              (plan_.has_merges ? sizeof(GridEntry) + sizeof(uint32_t) : 0);
   light_vertices_ = {};
+  light_vertex_sharp_ = {};
   grid_ranks_ = {};
   grid_entries_ = {};
   if (vertices >= INVALID_INDEX || vertices * bytes_each > device.free_bytes())
@@ -149,6 +154,10 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
   frame_.light_vertex_capacity = static_cast<uint32_t>(vertices);
   light_vertices_ = device.create_buffer(vertices * sizeof(PathVertex), "light vertices");
   frame_.light_vertices = address(light_vertices_);
+  if (plan_.has_sharp) {
+    light_vertex_sharp_ = device.create_buffer(vertices * sizeof(vec2), "sharp light vertices");
+    frame_.light_vertex_sharp = address(light_vertex_sharp_);
+  }
   if (plan_.has_merges) {
     const uint64_t cells = std::clamp<uint64_t>(std::bit_ceil(vertices), 64, MAX_GRID_CELLS);
     frame_.grid_cell_mask = static_cast<uint32_t>(cells - 1);

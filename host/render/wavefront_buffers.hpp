@@ -17,6 +17,7 @@ struct LightVertexPlan {
   bool is_per_wave = true;
   bool has_vertices = false;  ///< connections or merges are enabled
   bool has_merges = false;
+  bool has_sharp = false;  ///< regularized: accumulators for both levels of path diffusion
 };
 
 /// The plan for settings whose techniques are effective ones.
@@ -57,7 +58,8 @@ class WavefrontBuffers {
   gpu::Buffer frame_buffer_;
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
       pairs_;
-  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_;
+  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_,
+      light_vertex_sharp_;
 };
 
 }  // namespace regulus::render

@@ -87,7 +87,7 @@ struct Path {
   vec3 origin;
   float mis_a;       // see lib/mis.glsl: what MIS keeps of the walk, before the distance of the ray is known
   vec3 direction;    // unit
-  uint pixel;        // camera path: film index, y * width + x; light path: its index in the iteration
+  uint pixel;        // camera path: film index, y * width + x, and PATH_DIFFUSED; light path: its index in the iteration
   vec3 throughput;
   uint sample_index; // of the pixel; light path: the iteration, which is the same number
   float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
@@ -97,6 +97,10 @@ struct Path {
   float mis_b;
 };
 REGULUS_LAYOUT(Path, 64);
+
+// Set once a camera path has scattered at a surface that is not sharp (lib/regularization.glsl).
+REGULUS_CONSTANT PATH_DIFFUSED = 1u << 31;
+REGULUS_CONSTANT PATH_PIXEL = PATH_DIFFUSED - 1u;
 
 // A vertex of a subpath as connections and merges need it: where it is, where the walk came from, what it
 // carries on arrival (the bsdf here not included), and the accumulators of MIS (lib/mis.glsl).
@@ -115,6 +119,7 @@ struct PathVertex {
 REGULUS_LAYOUT(PathVertex, 64);
 REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
 REGULUS_CONSTANT PATH_VERTEX_CLASS_SHIFT = 16u;
+REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
 
 // The vertices of one light path: the last one stored, from which the others follow by `link`.
 struct LightPathHead {
@@ -211,6 +216,9 @@ struct Frame {
   DeviceAddress grid_cells;          // first entry of each cell, and one past the last cell
   DeviceAddress grid_ranks;          // place of each light vertex in its cell
   DeviceAddress grid_entries;
+  // Only with regularization: accumulators (A, B) for a camera that sees the vertex sharply (lib/mis.glsl).
+  DeviceAddress light_path_sharp;    // vec2 per path slot
+  DeviceAddress light_vertex_sharp;  // vec2 per light vertex
   uint width, height;
   uint light_count;
   uint seed;
@@ -231,7 +239,7 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
 };
-REGULUS_LAYOUT(Frame, 376);
+REGULUS_LAYOUT(Frame, 392);
 
 // Push constants of every stage.
 struct StageArguments {

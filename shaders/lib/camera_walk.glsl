@@ -7,6 +7,9 @@
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 
+// True if the path has met a surface that diffuses before the vertex it arrives at.
+bool is_diffused(Path path) { return (path.pixel & PATH_DIFFUSED) != 0u; }
+
 // Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
 // camera sees directly is found by no other technique.
 vec3 emission_towards(Frame frame, ShadingPoint point, Path path, TechniqueCounts counts) {
@@ -29,7 +32,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   LightSample light = sample_light(frame, point.surface.position, u);
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
-  Regularization regularization = regularization_of(frame, path.sample_index, path.bounce + 1u);
+  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
   BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
   float hit_ratio = light.is_delta ? 0.0 : bsdf.pdf_forward / light.pdf;
@@ -43,7 +46,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
     candidate.direction = light.wi;
     candidate.t_max = 3.4e38;
   }
-  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? path.pixel : slot;
+  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? path.pixel & PATH_PIXEL : slot;
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);
@@ -68,12 +71,13 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  Regularization regularization = regularization_of(frame, path.sample_index, path.bounce + 1u);
+  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
   float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
   mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward,
               dot(direction, point.geometric_normal), path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
+  if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);
 }
@@ -89,7 +93,7 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, ui
   vertex.mis_a = path.mis_a;
   vertex.barycentrics = vec2(hit.u, hit.v);
   vertex.mis_b = path.mis_b;
-  vertex.edges = is_usable ? path.bounce + 1u : 0u;
+  vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
   STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
 }
 

@@ -13,7 +13,7 @@ bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TE
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
-void store_light_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, uint head) {
+void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, Hit hit, uint head) {
   uint index = ATOMIC_ADD(frame.light_vertex_count, 0u, 1u);
   if (index >= frame.light_vertex_capacity) return;
   LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
@@ -28,6 +28,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, uin
   vertex.mis_b = path.mis_b;
   vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
+  if (is_regularized()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
 }
 
@@ -66,7 +67,9 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.
-void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot) {
+// `sharp`: the vertex for a camera that has not diffused on its way here.
+void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, TechniqueCounts counts,
+                   uint slot) {
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
@@ -83,10 +86,16 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  // More vertices follow, so this is not the one the camera sees.
-  Regularization regularization = regularization_of(frame, path.sample_index, 2u);
+  float pdf_ratio = next.pdf_reverse / next.pdf_forward;
+  if (is_regularized()) {
+    Path sharp_path = path;
+    float sharp_inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, UNREGULARIZED);
+    mis_scatter(counts, sharp, sharp_inverse_pdf, pdf_ratio, cos_out, sharp_path);
+    STORE(Vec2Buffer, frame.light_path_sharp, slot, vec2(sharp_path.mis_a, sharp_path.mis_b));
+  }
+  Regularization regularization = regularization_of(frame, path.sample_index, true);
   float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
-  mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward, cos_out, path);
+  mis_scatter(counts, vertex, inverse_pdf, pdf_ratio, cos_out, path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
   STORE(PathBuffer, frame.paths, slot, path);

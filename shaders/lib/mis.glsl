@@ -65,6 +65,14 @@ MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges
   return MisVertex(a, b, edges == 1u ? counts.splat : counts.connect);
 }
 
+// Of a stored light vertex, for a camera subpath that has diffused on its way there, or not.
+MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
+  vec2 accumulators = vec2(light.mis_a, light.mis_b);
+  if (spec_regularization != REGULARIZATION_NONE && !is_diffused)
+    accumulators = LOAD(Vec2Buffer, frame.light_vertex_sharp, index);
+  return mis_light_vertex(counts, accumulators.x, accumulators.y, light.edges & PATH_VERTEX_EDGES);
+}
+
 // The techniques on one side of a vertex, over the pdf of arriving at it from the other side: `pdf_back` is the
 // solid-angle pdf of walking back along the subpath. Without the merge at the vertex itself.
 float mis_subpath(MisVertex vertex, float pdf_back) { return vertex.n * vertex.a + pdf_back * vertex.b; }

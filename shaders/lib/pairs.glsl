@@ -13,7 +13,7 @@ void append_pair(Frame frame, uint slot, uint index, uint edges_and_class) {
 
 // The vertices of the path's own light path.
 void append_own_pairs(Frame frame, Path path, uint slot) {
-  uint head = frame.light_head_modulus == 0u ? slot : path.pixel % frame.light_head_modulus;
+  uint head = frame.light_head_modulus == 0u ? slot : (path.pixel & PATH_PIXEL) % frame.light_head_modulus;
   uint index = LOAD(LightHeadBuffer, frame.light_heads, head).last;
   // A list is no longer than the longest path.
   for (uint i = 0u; i < frame.max_depth && index != INVALID_INDEX; ++i) {
@@ -44,7 +44,7 @@ void append_cache_pairs(Frame frame, Path path, uint slot) {
   uint cached = LOAD(WordBuffer, frame.light_vertex_count, 0u);
   if (cached == 0u) return;
   for (uint k = 0u; k < frame.cache_connections; ++k) {
-    vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_CACHE + path.bounce * 256u + k / 4u);
+    vec4 u = random_block(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, DIMENSION_BLOCK_CACHE + path.bounce * 256u + k / 4u);
     uint number = min(uint(u[k % 4u] * float(cached)), cached - 1u);
     uint light_path = light_path_of(frame, number);
     LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, light_path);

@@ -13,16 +13,24 @@ struct Regularization {
   float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not at all
 };
 
-// The vertex that the camera sees is never regularized, whichever technique connects there: what is seen directly
-// stays sharp. Which vertex that is, every technique knows without looking ahead: the first of the camera's, the one
-// a splat connects to the lens; so the weights remain exact.
 const Regularization UNREGULARIZED = Regularization(1e30, 0.0);
+
+// What the camera sees directly, or through surfaces that are all sharp, is not regularized: mirrors, highlights and
+// what is seen through glass stay as they are. Path diffusion with two levels (math.md 3.8 A): a vertex is regularized
+// if some vertex between it and the camera diffuses. That is a function of the path; light subpaths, which cannot know
+// it, keep their accumulators for both cases.
+const float SHARP_ALPHA = 0.05;
+
+bool diffuses(Bsdf bsdf) {
+  if (!bsdf_has_specular()) return true;
+  return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
+}
 
 bool is_regularized() { return (spec_regularization & REGULARIZATION_ROUGHNESS) != 0u; }
 
-// For a vertex `camera_edges` path edges from the camera.
-Regularization regularization_of(Frame frame, uint iteration, uint camera_edges) {
-  if (camera_edges <= 1u) return UNREGULARIZED;
+// is_diffused: some vertex between this one and the camera diffuses.
+Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {
+  if (!is_diffused) return UNREGULARIZED;
   Regularization regularization = Regularization(frame.tau, 1.0);
   if ((spec_regularization & REGULARIZATION_CONSISTENT) != 0u)
     regularization.alpha_scale = exp_accurate(log_accurate(float(iteration) + 1.0) * (-1.0 / 6.0));
@@ -151,6 +159,7 @@ float inverse_walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regu
   bool is_delta = (event.flags & BSDF_SAMPLE_DELTA) != 0u;
   if (!is_regularized() || spec_mis == MIS_UNMODIFIED || !bsdf_has_specular())
     return is_delta ? 0.0 : 1.0 / event.pdf_forward;
+  if (regularization.alpha_scale == 0.0) return is_delta ? 0.0 : 1.0 / event.pdf_forward;
   if (is_delta && regularized_alpha(bsdf, event.facet, regularization).x == 0.0) return 0.0;
   Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
   float pdf = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, regularization).pdf_forward;

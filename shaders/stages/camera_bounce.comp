@@ -31,8 +31,9 @@ void main() {
   if (ends) return;
   MisVertex vertex = mis_camera_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   uint block = DIMENSION_BLOCKS_FIRST + path.bounce * DIMENSION_BLOCKS_PER_BOUNCE;
-  vec4 light_u = random_block(frame.seed, path.pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
-  vec4 bsdf_u = random_block(frame.seed, path.pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
+  uint pixel = path.pixel & PATH_PIXEL;
+  vec4 light_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
+  vec4 bsdf_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
   connect_to_light(frame, point, path, vertex, counts, slot, light_u);
   if ((spec_techniques & TECHNIQUE_CONNECT) != 0u && is_connectible(point)) append_pairs(frame, path, slot);
   scatter(frame, point, path, vertex, counts, slot, bsdf_u);

@@ -32,16 +32,18 @@ void main() {
   vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local(light_point, -direction);
   if (!sides_agree(camera_point, direction, camera_wi) || !sides_agree(light_point, -direction, light_wi)) return;
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
+  bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
+  bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
   BsdfEval camera_bsdf = bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
-                                      regularization_of(frame, path.sample_index, camera.edges));
+                                      regularization_of(frame, path.sample_index, camera_diffused));
   BsdfEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
-                                     regularization_of(frame, path.sample_index, camera.edges + 1u));
+                                     regularization_of(frame, path.sample_index, light_diffused));
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges);
-  MisVertex light_mis = mis_light_vertex(counts, light.mis_a, light.mis_b, light.edges & PATH_VERTEX_EDGES);
+  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges & PATH_VERTEX_EDGES);
+  MisVertex light_mis = light_vertex_mis(frame, counts, light, pair.vertex, light_diffused);
   float weight = mis_weight_connect(counts, light_mis, light_bsdf.pdf_reverse, camera_bsdf.pdf_forward * light_cos,
                                     camera_mis, camera_bsdf.pdf_reverse, light_bsdf.pdf_forward * camera_cos);
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
@@ -52,7 +54,7 @@ void main() {
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
-  candidate.path = path.pixel;
+  candidate.path = path.pixel & PATH_PIXEL;
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);

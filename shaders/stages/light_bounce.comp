@@ -15,15 +15,27 @@ void main() {
   ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction);
   if (point.wo.z <= 0.0) return;
   path.throughput *= transmittance(frame, path.medium, hit.t);
-  mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal), path.bounce == 0u && path.eta_scale > 0.0);
+  bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
+  float cos_here = dot(path.direction, point.geometric_normal);
+  Path sharp_path = path;
+  mis_arrive(path, hit.t, cos_here, is_parallel);
+  vec2 sharp = vec2(path.mis_a, path.mis_b);
+  if (is_regularized() && path.bounce > 0u && !diffuses(point.bsdf)) {
+    vec2 carried = LOAD(Vec2Buffer, frame.light_path_sharp, slot);
+    sharp_path.mis_a = carried.x;
+    sharp_path.mis_b = carried.y;
+    mis_arrive(sharp_path, hit.t, cos_here, is_parallel);
+    sharp = vec2(sharp_path.mis_a, sharp_path.mis_b);
+  }
 
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
+  MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
   if (is_connectible(point)) {
     uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
-    if (stores_light_vertices()) store_light_vertex(frame, point, path, hit, head);
-    connect_to_lens(frame, point, path, vertex, counts);
+    if (stores_light_vertices()) store_light_vertex(frame, point, path, sharp, hit, head);
+    connect_to_lens(frame, point, path, sharp_vertex, counts);
   }
   // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.
-  if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, counts, slot);
+  if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, sharp_vertex, counts, slot);
 }

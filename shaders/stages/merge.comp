@@ -38,12 +38,11 @@ Neighbourhood neighbourhood(Frame frame, vec3 position) {
 }
 
 // What one light vertex contributes at the camera vertex.
-vec3 merge_contribution(ShadingPoint point, PathVertex camera, MisVertex camera_mis, PathVertex light,
+vec3 merge_contribution(ShadingPoint point, PathVertex camera, MisVertex camera_mis, PathVertex light, MisVertex light_mis,
                         TechniqueCounts counts, Regularization regularization) {
   vec3 wi = to_local(point, light.direction);
   if (!sides_agree(point, light.direction, wi)) return vec3(0.0);
   BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
-  MisVertex light_mis = mis_light_vertex(counts, light.mis_a, light.mis_b, light.edges & PATH_VERTEX_EDGES);
   float weight = mis_weight_merge(counts, light_mis, bsdf.pdf_forward, camera_mis, bsdf.pdf_reverse);
   float correction = shading_correction(point, light.direction, wi.z);
   return camera.throughput * bsdf.value * light.throughput * (correction * weight / counts.merge);
@@ -62,14 +61,16 @@ void main() {
 
   ShadingPoint point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction);
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges);
+  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges & PATH_VERTEX_EDGES);
   uint range = 0u, place = skipped;
   for (uint r = 0u; r < 8u && place >= near.count[range]; ++r) {
     place -= near.count[range];
     range += 1u;
   }
   Path path = LOAD(PathBuffer, frame.paths, slot);
-  Regularization regularization = regularization_of(frame, path.sample_index, camera.edges);
+  bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
+  uint camera_edges = camera.edges & PATH_VERTEX_EDGES;
+  Regularization regularization = regularization_of(frame, path.sample_index, camera_diffused);
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
   uint visits = min(near.total - skipped, MERGE_ROUND_LENGTH);
@@ -83,13 +84,14 @@ void main() {
     vec3 offset = entry.position - camera.position;
     if (dot(offset, offset) > square(stage.merge_radius)) continue;
     PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, entry.vertex);
-    if (camera.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
-    vec3 contribution = merge_contribution(point, camera, camera_mis, light, counts, regularization);
+    if (camera_edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
+    MisVertex light_mis = light_vertex_mis(frame, counts, light, entry.vertex, camera_diffused);
+    vec3 contribution = merge_contribution(point, camera, camera_mis, light, light_mis, counts, regularization);
     if (is_valid_sample(contribution))
       fixed_sum_add(sum, contribution);
     else
       is_valid = false;
   }
   if (!is_valid) count_events(COUNTER_NON_FINITE, 1u);
-  film_add_sum(frame.film, path.pixel, sum);
+  film_add_sum(frame.film, path.pixel & PATH_PIXEL, sum);
 }
