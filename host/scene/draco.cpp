@@ -99,7 +99,8 @@ void decode_primitive(Document& document, tinygltf::Primitive& primitive, const 
                       element, name));
     const auto index = static_cast<size_t>(accessor->second);
     replace(document, index,
-            convert(document, *mesh, *attribute, document.model.accessors[index], element + " " + name),
+            convert(document, *mesh, *attribute, document.model.accessors[index],
+                    fmt::format("{} {}", element, name)),
             mesh->num_points());
   }
 }
