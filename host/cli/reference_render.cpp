@@ -7,6 +7,8 @@ namespace regulus::cli {
 reference::Settings reference_settings(const render::RenderSettings& settings) {
   if (settings.cache_connections != 0)
     throw Error(ExitStatus::BadUsage, "--connections cache:M: the reference has paired connections only");
+  if (settings.regularization != interface::REGULARIZATION_NONE)
+    throw Error(ExitStatus::BadUsage, "--regularization: the reference renders without; say none");
   reference::Settings result;
   result.width = settings.width;
   result.height = settings.height;

@@ -40,38 +40,19 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
   return sample;
 }
 
-/// What a walk carries from vertex to vertex.
-struct State {
-  dvec3 position, direction;
-  dvec3 throughput{1};
-  double survival = 1;
-  double eta_scale = 1;  // product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
-  uint32_t medium = INVALID_INDEX;
-};
-
-/// The vertex that a ray reaches. `is_from_camera` orients the edge; `cos_start` is the cosine at its start.
-std::optional<WalkVertex> next_vertex(const World& world, const Ray& ray, State& state, double cos_start,
+/// The vertex that a ray reaches.
+std::optional<WalkVertex> next_vertex(const World& world, const Ray& ray, WalkState& state, double cos_start,
                                       bool is_from_camera) {
   const std::optional<Intersection> hit = world.traversal().closest(ray);
   if (!hit) return std::nullopt;
-  const Surface surface = world.surface_at(hit->triangle, hit->barycentrics);
-  WalkVertex vertex{surface, world.bsdf_at(surface), -state.direction};
-  const double cos_arrival = std::abs(dot(state.direction, surface.geometric_normal));
-  vertex.edge.distance = hit->t;
-  vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
-  vertex.edge.cos_camera_end = is_from_camera ? cos_start : cos_arrival;
-  vertex.edge.transmittance = world.transmittance(state.medium, hit->t);
-  vertex.medium = state.medium;
-  vertex.survival = state.survival;
-  state.throughput *= vertex.edge.transmittance;
-  vertex.throughput = state.throughput;
-  return vertex;
+  return arrive(world, world.surface_at(hit->triangle, hit->barycentrics), hit->t, state, cos_start,
+                is_from_camera);
 }
 
 /// Samples the next direction at a vertex and plays roulette with `survival` (a function of the step's
 /// weight). False if the walk ends there.
 template <typename Survival>
-bool continue_walk(const World& world, WalkVertex& vertex, State& state, const dvec4& u,
+bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, const dvec4& u,
                    TransportMode transport, const Survival& survival_of) {
   const BsdfSample sample = sample_direction(vertex, u, transport);
   if (!sample.is_valid) return false;
@@ -103,6 +84,43 @@ dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, u
   return {unit_interval(bits[0]), unit_interval(bits[1]), unit_interval(bits[2]), unit_interval(bits[3])};
 }
 
+WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
+                  double cos_start, bool is_from_camera) {
+  WalkVertex vertex{surface, world.bsdf_at(surface), -state.direction};
+  const double cos_arrival = std::abs(dot(state.direction, surface.geometric_normal));
+  vertex.edge.distance = distance;
+  vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
+  vertex.edge.cos_camera_end = is_from_camera ? cos_start : cos_arrival;
+  vertex.edge.transmittance = world.transmittance(state.medium, distance);
+  vertex.medium = state.medium;
+  vertex.survival = state.survival;
+  state.throughput *= vertex.edge.transmittance;
+  vertex.throughput = state.throughput;
+  return vertex;
+}
+
+bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
+                         const dvec4& u) {
+  const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
+    if (step.is_transmitted && vertex.bsdf.parameters().is_volume) {
+      const double eta = vertex.bsdf.relative_index(to_material(vertex.surface, vertex.w_back));
+      state.eta_scale *= eta * eta;
+    }
+    return bounce < ROULETTE_FIRST_BOUNCE
+               ? 1.0
+               : std::min(1.0, largest(state.throughput * weight) * state.eta_scale);
+  };
+  return continue_walk(world, vertex, state, u, TransportMode::Radiance, survival);
+}
+
+bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
+                        const dvec4& u) {
+  const auto survival = [&](const dvec3& weight, const BsdfSample&) {
+    return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest(weight));
+  };
+  return continue_walk(world, vertex, state, u, TransportMode::Importance, survival);
+}
+
 CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
                                uint32_t pixel, uint32_t sample) {
   const auto block = [&](uint32_t index) { return random_block(settings, pixel, sample, index); };
@@ -114,7 +132,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   subpath.ray = camera.ray(subpath.film, {u_camera.z, u_camera.w});
   subpath.density = camera.density(subpath.ray.direction);
 
-  State state{subpath.ray.origin, subpath.ray.direction};
+  WalkState state{subpath.ray.origin, subpath.ray.direction};
   Ray ray{state.position, state.direction};
   double cos_start = 1;
   for (uint32_t bounce = 0; bounce < settings.max_depth; ++bounce) {
@@ -123,18 +141,9 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     subpath.vertices.push_back(std::move(*vertex));
     WalkVertex& reached = subpath.vertices.back();
     if (bounce + 2 > settings.max_depth) break;
-    const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
-      if (step.is_transmitted && reached.bsdf.parameters().is_volume) {
-        const double eta = reached.bsdf.relative_index(to_material(reached.surface, reached.w_back));
-        state.eta_scale *= eta * eta;
-      }
-      return bounce < ROULETTE_FIRST_BOUNCE
-                 ? 1.0
-                 : std::min(1.0, largest(state.throughput * weight) * state.eta_scale);
-    };
     const dvec4 u =
         block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
-    if (!continue_walk(world, reached, state, u, TransportMode::Radiance, survival)) break;
+    if (!scatter_from_camera(world, reached, state, bounce, u)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
   }
@@ -154,7 +163,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   subpath.end = light_end(world, subpath.point, subpath.ray.direction);
   if (!(largest(subpath.end.emitted) > 0)) return subpath;
 
-  State state{subpath.ray.origin, subpath.ray.direction};
+  WalkState state{subpath.ray.origin, subpath.ray.direction};
   const bool is_surface = subpath.point.is_triangle();
   Ray ray = is_surface ? world.ray_from(subpath.point.surface, state.direction)
                        : Ray{state.position, state.direction};
@@ -166,11 +175,8 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
     subpath.vertices.push_back(std::move(*vertex));
     if (bounce + 2 == settings.max_depth) break;
     WalkVertex& reached = subpath.vertices.back();
-    const auto survival = [&](const dvec3& weight, const BsdfSample&) {
-      return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest(weight));
-    };
     const dvec4 u = block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
-    if (!continue_walk(world, reached, state, u, TransportMode::Importance, survival)) break;
+    if (!scatter_from_light(world, reached, state, bounce, u)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
   }

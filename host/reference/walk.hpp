@@ -49,6 +49,27 @@ struct WalkVertex {
   BsdfSample sample{};            ///< likewise
 };
 
+/// What a walk carries from vertex to vertex.
+struct WalkState {
+  glm::dvec3 position{0}, direction{0};
+  glm::dvec3 throughput{1};
+  double survival = 1;
+  double eta_scale = 1;  ///< product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
+  uint32_t medium = interface::INVALID_INDEX;
+};
+
+/// The vertex where a walk in `state` arrives after `distance` metres: takes the medium's share of the
+/// throughput. `is_from_camera` orients the edge; `cos_start` is the cosine at its start.
+WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
+                  double cos_start, bool is_from_camera);
+
+/// Samples the next direction of a camera walk (of a light walk) at its vertex `bounce` + 1 with the block
+/// `u`, and plays Russian roulette. False if the walk ends there.
+bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
+                         const glm::dvec4& u);
+bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
+                        const glm::dvec4& u);
+
 /// A walk from the lens: vertices[m - 1] is the vertex after m edges.
 struct CameraSubpath {
   glm::dvec2 film{0};

@@ -37,6 +37,13 @@ uint64_t pairs_per_path(const RenderSettings& settings) {
   return settings.cache_connections != 0 ? settings.cache_connections : vertices_per_path(settings);
 }
 
+// Most splat candidates of one path in one bounce: without `hit` the first bounce holds the emitter's own,
+// too.
+uint64_t splats_per_path(const RenderSettings& settings) {
+  if (!has(settings, TECHNIQUE_SPLAT)) return 0;
+  return has(settings, TECHNIQUE_HIT) ? 1 : 2;
+}
+
 }  // namespace
 
 LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
@@ -57,7 +64,7 @@ uint64_t bytes_per_path(const RenderSettings& settings) {
   uint64_t bytes = sizeof(Path) + sizeof(Hit) + sizeof(vec3) + 2 * sizeof(uint32_t) +
                    MATERIAL_CLASS_COUNT * sizeof(uint32_t) + (1 + pairs) * sizeof(VisibilityCandidate) +
                    MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
-  if (has(settings, TECHNIQUE_SPLAT)) bytes += sizeof(SplatCandidate);
+  bytes += splats_per_path(settings) * sizeof(SplatCandidate);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
   if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
@@ -102,7 +109,7 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   candidates_ =
       per_path((1 + pairs) * sizeof(VisibilityCandidate), "visibility candidates", frame_.candidates);
   pairs_ = per_path(MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair), "connection pairs", frame_.pairs);
-  if (has(settings, TECHNIQUE_SPLAT)) splats_ = per_path(sizeof(SplatCandidate), "splats", frame_.splats);
+  splats_ = per_path(splats_per_path(settings) * sizeof(SplatCandidate), "splats", frame_.splats);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
   if (plan_.has_vertices)

@@ -50,6 +50,7 @@ class WavefrontBuffers {
   gpu::Buffer light_path_ends, grid_cells;
 
  private:
+  friend class StageRecorder;  // reads the queues between stages
   void create_path_buffers(gpu::Device& device, const RenderSettings& settings);
   void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
 

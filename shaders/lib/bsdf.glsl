@@ -415,4 +415,15 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   return result;
 }
 
+// Pdf of walking back over pdf forward of a sampled direction, both per solid angle of that direction. The delta
+// distributions at the two ends of a smooth refraction differ by the Jacobian of Snell's law,
+// n_i^2 cos_i dw_i = n_o^2 cos_o dw_o, as the densities of a rough one do by themselves.
+float walk_pdf_ratio(Bsdf bsdf, vec3 wo, BsdfSample event) {
+  float ratio = event.pdf_reverse / event.pdf_forward;
+  const uint REFRACTED = BSDF_SAMPLE_DELTA | BSDF_SAMPLE_TRANSMITTED;
+  if (!bsdf_has_delta() || !bsdf_has_transmission() || (event.flags & REFRACTED) != REFRACTED || bsdf.is_thin)
+    return ratio;
+  return ratio * bsdf.inverse_eta_squared * wo.z / max(abs(event.wi.z), MIN_COS);
+}
+
 #endif

@@ -73,7 +73,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
   path.direction = normalize(direction);
   Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
   float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
-  mis_scatter(counts, vertex, inverse_pdf, next.pdf_reverse / next.pdf_forward,
+  mis_scatter(counts, vertex, inverse_pdf, walk_pdf_ratio(point.bsdf, point.wo, next),
               dot(direction, point.geometric_normal), path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;

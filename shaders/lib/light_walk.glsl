@@ -86,7 +86,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  float pdf_ratio = next.pdf_reverse / next.pdf_forward;
+  float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
   if (is_regularized()) {
     Path sharp_path = path;
     float sharp_inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, UNREGULARIZED);

@@ -1,0 +1,44 @@
+// `regulus check`: the device's stages, whole paths and images against the scalar reference, on real data of
+// a scene.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bvh/bvh.hpp"
+#include "check/tally.hpp"
+#include "gpu/gpu.hpp"
+#include "reference/walk.hpp"
+#include "render/settings.hpp"
+#include "render/stage_recorder.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::check {
+
+/// A scene with the settings of both backends. Everything referred to must outlive it.
+struct Subject {
+  const scene::Scene& scene;
+  const bvh::Bvh& bvh;
+  const reference::World& world;
+  const reference::Camera& camera;
+  const render::RenderSettings& settings;
+  const reference::Settings& reference_settings;
+};
+
+/// Every stage of a recorded wave, the reference run on the stage's own inputs.
+std::vector<Tally> check_stages(const Subject& subject, render::Pass pass,
+                                const render::Recording& recording);
+
+/// Whole camera paths, vertex by vertex, and what each carries to the film, weights included.
+std::vector<Tally> check_paths(const Subject& subject, const render::Recording& recording);
+
+/// The image of one iteration by a set of techniques, pixel by pixel: connections, merges and splats with
+/// their weights.
+Tally check_image(gpu::Device& device, const Subject& subject, const char* name, uint32_t techniques);
+
+/// One camera path in full from both backends: vertices, bsdfs, pdfs, and every path that ends on it with the
+/// weights of all techniques. `recording` holds the path in slot 0.
+std::string describe_path(const Subject& subject, uint32_t pixel, uint32_t sample,
+                          const render::Recording& recording);
+
+}  // namespace regulus::check

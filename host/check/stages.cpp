@@ -1,0 +1,292 @@
+// Stages one by one. A stage's error is judged against what its inputs' own rounding does to the reference:
+// the reference is run again with its inputs moved by a few units in the last place of single precision.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "check/check.hpp"
+#include "reference/lights.hpp"
+
+namespace regulus::check {
+
+using glm::dvec2;
+using glm::dvec3;
+using glm::dvec4;
+using namespace interface;
+using render::Pass;
+using render::RecordedBounce;
+using render::Recording;
+
+namespace {
+
+constexpr double STEP_BOUND = 1e-4;      // directions, throughputs, relative
+constexpr double DISTANCE_BOUND = 1e-5;  // t, relative to the distance plus the size of coordinates
+constexpr double ULP = 6e-8;
+constexpr int JITTERS = 8;
+// Thresholds that random numbers are compared with: errors of Fresnel terms and luminances.
+constexpr double CHOICE_TOLERANCE = 1e-5;
+
+/// +1 or -1, a different pattern for every jitter and input.
+double sign_of(int jitter, int input) {
+  const uint32_t hash =
+      (static_cast<uint32_t>(jitter) * 73856093u) ^ (static_cast<uint32_t>(input + 1) * 2654435761u);
+  return ((hash >> 13) & 1u) != 0 ? 1.0 : -1.0;
+}
+
+dvec3 moved(const dvec3& v, double amount, int jitter) {
+  return v + amount * dvec3(sign_of(jitter, 0), sign_of(jitter, 1), sign_of(jitter, 2));
+}
+
+double largest(const dvec3& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+std::string text_of(const dvec3& v) {
+  return fmt::format("({:.6g} {:.6g} {:.6g})", v.x, v.y, v.z);
+}
+
+reference::Ray ray_of(const Path& path) {
+  return {dvec3(path.origin), normalize(dvec3(path.direction))};
+}
+
+class StageChecker {
+ public:
+  StageChecker(const Subject& subject, Pass pass) : subject_(subject), is_camera_(pass == Pass::Camera) {}
+
+  Tally generate(const Recording& recording) const {
+    Tally tally(is_camera_ ? "camera_generate" : "light_generate", STEP_BOUND);
+    for (const Path& path : recording.generated) {
+      if (!is_camera_ && largest(dvec3(path.throughput)) == 0) continue;
+      is_camera_ ? compare_camera_ray(path, tally) : compare_emission(path, tally);
+    }
+    return tally;
+  }
+
+  void trace(const RecordedBounce& bounce, Tally& tally) const {
+    for (const uint32_t slot : bounce.slots) {
+      const Hit& hit = bounce.hits[slot];
+      const reference::Ray ray = ray_of(bounce.before[slot]);
+      const auto expected = subject_.world.traversal().closest(ray);
+      const double scale = largest(ray.origin) + (expected ? expected->t : subject_.world.radius());
+      if (expected && hit.triangle == expected->triangle) {
+        const dvec3 normal = subject_.world.surface_at(hit.triangle, {0, 0}).geometric_normal;
+        const double conditioning = 1 / std::max(std::abs(dot(normal, ray.direction)), 1e-3);
+        if (!tally.add_error(std::abs(hit.t - expected->t) / (scale * conditioning)))
+          tally.describe(fmt::format("slot {}: t {} against {}", slot, hit.t, expected->t));
+      } else if (!expected && hit.triangle == INVALID_INDEX) {
+        tally.add_error(0);
+      } else {
+        tally.add_difference(difference_of(ray, hit, expected, scale));
+        if (difference_of(ray, hit, expected, scale) == Difference::Real)
+          tally.describe(fmt::format("slot {}: triangle {} at {} against {} at {}; origin {} direction {}",
+                                     slot, hit.triangle, hit.t, expected ? expected->triangle : INVALID_INDEX,
+                                     expected ? expected->t : -1, text_of(ray.origin),
+                                     text_of(ray.direction)));
+      }
+    }
+  }
+
+  void bounce(const RecordedBounce& bounce, uint32_t index, Tally& tally) const {
+    const std::set<uint32_t> continuing(bounce.continuing.begin(), bounce.continuing.end());
+    for (const uint32_t slot : bounce.slots) {
+      const Hit& hit = bounce.hits[slot];
+      if (hit.triangle == INVALID_INDEX) continue;
+      const bool is_alive = continuing.contains(slot);
+      compare_step(bounce.before[slot], hit, index, is_alive, bounce.after[slot], slot, tally);
+    }
+  }
+
+  void visibility(const RecordedBounce& bounce, Tally& tally) const {
+    for (const VisibilityCandidate& candidate : bounce.candidates) {
+      const dvec3 added =
+          dvec3(bounce.radiance[candidate.path]) - dvec3(bounce.radiance_before_visibility[candidate.path]);
+      const double wanted = largest(dvec3(candidate.contribution));
+      if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.path])))
+        continue;  // lost in the sum either way
+      const bool is_open = largest(added) > 0.5 * wanted;
+      reference::Ray ray{dvec3(candidate.origin), normalize(dvec3(candidate.direction))};
+      if (candidate.t_max < 1e38F) ray.t_max = candidate.t_max;
+      if (is_open != subject_.world.traversal().is_occluded(ray)) {
+        tally.add_error(0);
+        continue;
+      }
+      bool can_agree = false;
+      for (int k = 0; k < JITTERS && !can_agree; ++k) {
+        reference::Ray other = ray;
+        other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
+        other.direction = normalize(moved(ray.direction, 4 * ULP, k + 7));
+        other.t_max = ray.t_max * (1 + 16 * ULP * sign_of(k, 5));
+        can_agree = is_open != subject_.world.traversal().is_occluded(other);
+      }
+      tally.add_difference(can_agree ? Difference::Edge : Difference::Real);
+      if (!can_agree)
+        tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}",
+                                   candidate.path, is_open ? "open" : "occluded", text_of(ray.origin),
+                                   text_of(ray.direction), ray.t_max));
+    }
+  }
+
+ private:
+  /// Where a step leads.
+  struct Step {
+    dvec3 position, direction, throughput;
+    uint32_t medium = INVALID_INDEX;
+  };
+
+  Difference difference_of(const reference::Ray& ray, const Hit& hit,
+                           const std::optional<reference::Intersection>& expected, double scale) const {
+    // A tie: the device's triangle is met at that distance, and the reference's as near as makes no
+    // difference.
+    if (expected && hit.triangle != INVALID_INDEX && std::abs(hit.t - expected->t) < DISTANCE_BOUND * scale) {
+      const BvhTriangle& t = subject_.bvh.triangles[hit.triangle];
+      const auto own = reference::intersect(ray, {dvec3(t.v0), dvec3(t.v1), dvec3(t.v2)});
+      if (own && std::abs(own->t - hit.t) < DISTANCE_BOUND * scale) return Difference::Tie;
+    }
+    // An edge: a ray beside this one finds what the device found.
+    for (int k = 0; k < JITTERS; ++k) {
+      reference::Ray other = ray;
+      other.origin = moved(ray.origin, 4 * ULP * scale, k);
+      const auto found = subject_.world.traversal().closest(other);
+      if ((found ? found->triangle : INVALID_INDEX) == hit.triangle) return Difference::Edge;
+    }
+    return Difference::Real;
+  }
+
+  void compare_camera_ray(const Path& path, Tally& tally) const {
+    const dvec4 u =
+        random_block(subject_.reference_settings, path.pixel, path.sample_index, DIMENSION_BLOCK_CAMERA);
+    const dvec2 centre =
+        dvec2(path.pixel % subject_.camera.width(), path.pixel / subject_.camera.width()) + 0.5;
+    const reference::CameraRay ray =
+        subject_.camera.ray(centre + subject_.reference_settings.filter.sample({u.x, u.y}), {u.z, u.w});
+    const double error =
+        std::max(largest(ray.direction - dvec3(path.direction)),
+                 largest(ray.origin - dvec3(path.origin)) / std::max(largest(ray.origin), 1e-30));
+    if (!tally.add_error(error))
+      tally.describe(fmt::format("pixel {}: direction {} against {}", path.pixel, text_of(path.direction),
+                                 text_of(ray.direction)));
+  }
+
+  void compare_emission(const Path& path, Tally& tally) const {
+    const reference::Settings& settings = subject_.reference_settings;
+    const dvec4 u = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+    const dvec4 v = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION_DIRECTION);
+    const reference::World& world = subject_.world;
+    const reference::LightPoint point =
+        sample_light_point(world, reference::select_light(world.scene(), {u.x, u.y}), {u.z, u.w});
+    const reference::EmissionRay ray = sample_emission(world, point, {u.z, u.w}, {v.x, v.y});
+    const reference::LightEnd end = light_end(world, point, ray.direction);
+    const double cosine =
+        point.is_triangle() ? std::abs(dot(ray.direction, point.surface.geometric_normal)) : 1;
+    const dvec3 throughput = end.emitted * cosine / (end.point_pdf * end.density.value);
+    // At the rim of a spot's cone falloff and density vanish together.
+    const double excused =
+        point.kind == LIGHT_SPOT ? 1e-6 / std::max(end.density.value, 1e-9) * STEP_BOUND : 0;
+    const double error =
+        std::max({largest(ray.direction - dvec3(path.direction)),
+                  largest(ray.origin - dvec3(path.origin)) / (largest(ray.origin) + world.radius()),
+                  largest(throughput - dvec3(path.throughput)) / largest(throughput)});
+    if (!tally.add_error(error, excused))
+      tally.describe(fmt::format("light path {}: direction {} against {}, throughput {} against {}",
+                                 path.pixel, text_of(path.direction), text_of(ray.direction),
+                                 text_of(path.throughput), text_of(throughput)));
+  }
+
+  /// The reference's step from the device's inputs, moved by jitter >= 0.
+  std::optional<Step> step(const Path& path, const Hit& hit, uint32_t index, int jitter) const {
+    const uint32_t last_bounce = subject_.settings.max_depth - (is_camera_ ? 2 : 3);
+    if (subject_.settings.max_depth < (is_camera_ ? 2U : 3U) || index > last_bounce) return std::nullopt;
+    const bool is_moved = jitter >= 0;
+    reference::WalkState state;
+    state.direction =
+        normalize(is_moved ? moved(dvec3(path.direction), 2 * ULP, jitter) : dvec3(path.direction));
+    state.throughput = path.throughput;
+    state.eta_scale = path.eta_scale;
+    state.medium = path.medium;
+    dvec2 barycentrics(hit.u, hit.v);
+    if (is_moved) barycentrics += 2 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
+    dvec4 u = random_block(
+        subject_.reference_settings, path.pixel, path.sample_index,
+        is_camera_ ? DIMENSION_BLOCKS_FIRST + index * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF
+                   : DIMENSION_BLOCK_LIGHT_BSDF + index);
+    if (is_moved)
+      u += dvec4(CHOICE_TOLERANCE * sign_of(jitter, 5), ULP * sign_of(jitter, 6), ULP * sign_of(jitter, 7),
+                 2 * CHOICE_TOLERANCE * sign_of(jitter, 8));
+    u = glm::clamp(u, dvec4(0), dvec4(1 - 1e-9));
+    reference::WalkVertex vertex = arrive(
+        subject_.world, subject_.world.surface_at(hit.triangle, barycentrics), hit.t, state, 1, is_camera_);
+    const bool goes_on = is_camera_ ? scatter_from_camera(subject_.world, vertex, state, index, u)
+                                    : scatter_from_light(subject_.world, vertex, state, index, u);
+    if (!goes_on) return std::nullopt;
+    return Step{state.position, state.direction, state.throughput, state.medium};
+  }
+
+  double error_between(const Step& a, const Step& b) const {
+    return std::max({largest(a.direction - b.direction),
+                     largest(a.throughput - b.throughput) / std::max(largest(a.throughput), 1e-30),
+                     largest(a.position - b.position) / (subject_.world.radius() + largest(a.position))});
+  }
+
+  void compare_step(const Path& path, const Hit& hit, uint32_t index, bool is_alive, const Path& after,
+                    uint32_t slot, Tally& tally) const {
+    const std::optional<Step> expected = step(path, hit, index, -1);
+    if (!is_alive && !expected) {
+      tally.add_error(0);
+      return;
+    }
+    const Step found{dvec3(after.origin), dvec3(after.direction), dvec3(after.throughput), after.medium};
+    const double error = is_alive && expected ? error_between(*expected, found) : HUGE_VAL;
+    if (error <= STEP_BOUND) {
+      tally.add_error(error);
+      return;
+    }
+    // Conditioning: how far the reference moves, and whether it can come to the same kind of result.
+    double spread = 0;
+    bool can_agree = false;
+    for (int k = 0; k < JITTERS; ++k) {
+      const std::optional<Step> other = step(path, hit, index, k);
+      if (expected && other && dot(expected->direction, other->direction) > 0.99)
+        spread = std::max(spread, error_between(*expected, *other));
+      can_agree = can_agree || other.has_value() == is_alive;
+      if (is_alive && other) can_agree = can_agree && error_between(*other, found) < 0.1;
+    }
+    const bool is_same_kind = std::isfinite(error) && dot(expected->direction, found.direction) > 0.99;
+    if (is_same_kind) {
+      if (tally.add_error(error, 4 * spread)) return;
+    } else {
+      tally.add_difference(can_agree ? Difference::Tie : Difference::Real);
+      if (can_agree) return;
+    }
+    tally.describe(fmt::format(
+        "slot {} bounce {} triangle {} material {}: {} {} throughput {} against {} {} throughput {}", slot,
+        index, hit.triangle, subject_.scene.triangles[hit.triangle].material, is_alive ? "goes" : "ends",
+        text_of(found.direction), text_of(found.throughput), expected ? "goes" : "ends",
+        expected ? text_of(expected->direction) : "", expected ? text_of(expected->throughput) : ""));
+  }
+
+  const Subject& subject_;
+  bool is_camera_;
+};
+
+}  // namespace
+
+std::vector<Tally> check_stages(const Subject& subject, Pass pass, const Recording& recording) {
+  const StageChecker checker(subject, pass);
+  const bool is_camera = pass == Pass::Camera;
+  Tally trace(is_camera ? "trace_closest" : "light.trace_closest", DISTANCE_BOUND);
+  Tally bounce(is_camera ? "camera_bounce" : "light_bounce", STEP_BOUND);
+  Tally visibility("trace_visibility", 0);
+  for (uint32_t i = 0; i < recording.bounces.size(); ++i) {
+    checker.trace(recording.bounces[i], trace);
+    checker.bounce(recording.bounces[i], i, bounce);
+    if (is_camera) checker.visibility(recording.bounces[i], visibility);
+  }
+  std::vector<Tally> all{checker.generate(recording), trace, bounce};
+  if (is_camera) all.push_back(visibility);
+  return all;
+}
+
+}  // namespace regulus::check

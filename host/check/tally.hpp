@@ -1,0 +1,51 @@
+// What a comparison of device and reference found: errors of the items that agree in kind, and classes of
+// those that do not.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace regulus::check {
+
+/// Why an item differs in kind (another triangle, another lobe, alive against dead).
+enum class Difference {
+  Tie,   ///< a decision that single precision may take either way
+  Edge,  ///< a ray that passes an edge within single precision
+  Real,  ///< a bug
+};
+
+/// One line of the report.
+class Tally {
+ public:
+  /// `bound`: largest relative error of an item that is well-conditioned. `allowed_share`: of all items, how
+  /// many may be real differences (0 where each has a cause of its own; whole paths diverge for reasons that
+  /// the stages' own lines judge).
+  Tally(std::string name, double bound, double allowed_share = 0)
+      : name_(std::move(name)), bound_(bound), allowed_share_(allowed_share) {}
+
+  /// An item of the same kind on both sides: its error, and how much of it is the item's own conditioning.
+  /// Returns false if it counts as a real difference.
+  bool add_error(double error, double excused = 0);
+
+  /// An item that differs in kind.
+  void add_difference(Difference difference);
+
+  /// Words about a real difference; the first few are kept.
+  void describe(const std::string& text);
+
+  bool is_passed() const;
+
+  /// Name, items, largest and 99.9th-percentile error, bound, items by class, verdict; then the descriptions.
+  std::string line() const;
+  static std::string header();
+
+ private:
+  std::string name_;
+  double bound_, allowed_share_;
+  std::vector<double> errors_;  // of items of the same kind, conditioning taken off
+  uint64_t ties_ = 0, edges_ = 0, real_ = 0;
+  std::vector<std::string> descriptions_;
+};
+
+}  // namespace regulus::check

@@ -1,0 +1,134 @@
+// regulus check: the device against the scalar reference on a scene.
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include "base/error.hpp"
+#include "bvh/scene_bvh.hpp"
+#include "check/check.hpp"
+#include "cli/commands.hpp"
+#include "cli/reference_render.hpp"
+#include "cli/render_options.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using namespace interface;
+
+// Without --size: as many paths as a stage needs for its 99.9th percentile to mean something.
+constexpr const char* DEFAULT_SIZE = "96x64";
+constexpr uint32_t WALK_TECHNIQUES = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
+
+struct CheckOptions {
+  RenderOptions render;
+  std::string path;  ///< x,y,sample; empty: check everything
+};
+
+struct PathName {
+  uint32_t x, y, sample;
+};
+
+PathName parse_path(const std::string& text, const render::RenderSettings& settings) {
+  PathName name{};
+  const char* at = text.data();
+  const char* end = text.data() + text.size();
+  for (uint32_t* number : {&name.x, &name.y, &name.sample}) {
+    const auto [after, error] = std::from_chars(at, end, *number);
+    const bool is_last = number == &name.sample;
+    if (error != std::errc{} || (is_last ? after != end : after == end || *after != ','))
+      throw Error(ExitStatus::BadUsage, fmt::format("--path {}: expected x,y,sample, such as 10,20,0", text));
+    at = is_last ? after : after + 1;
+  }
+  if (name.x >= settings.width || name.y >= settings.height)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--path {}: the film has {}x{} pixels", text, settings.width, settings.height));
+  return name;
+}
+
+/// Prints a line and returns whether it passed.
+bool report(const check::Tally& tally) {
+  fmt::print("{}\n", tally.line());
+  std::fflush(stdout);
+  return tally.is_passed();
+}
+
+bool check_everything(gpu::Device& device, const check::Subject& subject) {
+  const uint32_t pixels = subject.settings.width * subject.settings.height;
+  fmt::print("{}\n", check::Tally::header());
+  bool is_passed = true;
+  {
+    render::RenderSettings asked = subject.settings;
+    asked.techniques = WALK_TECHNIQUES;
+    render::StageRecorder recorder(device, subject.scene, subject.bvh, asked, pixels);
+    reference::Settings walking = subject.reference_settings;
+    walking.techniques = recorder.settings().techniques;
+    walking.light_paths = recorder.settings().light_paths;
+    const check::Subject same{subject.scene,  subject.bvh,         subject.world,
+                              subject.camera, recorder.settings(), walking};
+    const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.settings.first_sample);
+    for (const check::Tally& tally : check_stages(same, render::Pass::Camera, camera))
+      is_passed = report(tally) && is_passed;
+    for (const check::Tally& tally : check_paths(same, camera)) is_passed = report(tally) && is_passed;
+    if ((walking.techniques & TECHNIQUE_SPLAT) != 0) {
+      const render::Recording light = recorder.record(render::Pass::Light, 0, subject.settings.first_sample);
+      for (const check::Tally& tally : check_stages(same, render::Pass::Light, light))
+        is_passed = report(tally) && is_passed;
+    }
+  }
+  for (const auto& [name, techniques] :
+       {std::pair<const char*, uint32_t>{"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
+        {"lt", TECHNIQUE_SPLAT},
+        {"bpt", WALK_TECHNIQUES | TECHNIQUE_CONNECT},
+        {"bpm", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE},
+        {"vcm", WALK_TECHNIQUES | TECHNIQUE_CONNECT | TECHNIQUE_MERGE}})
+    is_passed = report(check_image(device, subject, name, techniques)) && is_passed;
+  return is_passed;
+}
+
+void run_check(CLI::App& command, CheckOptions& options) {
+  if (options.render.size.empty() && options.path.empty()) options.render.size = DEFAULT_SIZE;
+  scene::Scene scene =
+      scene::load(options.render.scene_file, {options.render.scene_index, options.render.allow_external});
+  apply_scene_settings(command, scene);
+  render::RenderSettings settings = resolve_settings(options.render, scene);
+  settings.regularization = REGULARIZATION_NONE;  // the reference has none yet
+  const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  gpu::Device device({.select = options.render.device, .software_stage_times = false});
+  fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
+
+  const reference::World world(scene, bvh, settings.ndf, settings.shadowing);
+  const reference::Camera camera(
+      scene::make_camera(scene.cameras.at(settings.camera), settings.width, settings.height), settings.width,
+      settings.height);
+  const reference::Settings wanted = reference_settings(settings);
+  const check::Subject subject{scene, bvh, world, camera, settings, wanted};
+  if (options.path.empty()) {
+    if (!check_everything(device, subject))
+      throw Error(ExitStatus::Failed,
+                  fmt::format("{}: device and reference differ, see above", scene.path.string()));
+    return;
+  }
+  const PathName path = parse_path(options.path, settings);
+  const uint32_t pixel = path.y * settings.width + path.x;
+  render::StageRecorder recorder(device, scene, bvh, settings, 1);
+  const render::Recording recording = recorder.record(render::Pass::Camera, pixel, path.sample);
+  fmt::print("{}", describe_path(subject, pixel, path.sample, recording));
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app) {
+  const auto options = std::make_shared<CheckOptions>();
+  CLI::App* command = app.add_subcommand(
+      "check", "Hold every stage of the device against the scalar reference, on data of a scene");
+  declare_render_options(*command, options->render);
+  command->add_option("--path", options->path, "Print one camera path from both in full: x,y,sample");
+  command->callback([command, options] { run_check(*command, *options); });
+}
+
+}  // namespace regulus::cli

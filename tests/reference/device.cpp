@@ -1,0 +1,142 @@
+// The device's stages against the reference, and proof that the comparison sees what is wrong: a recording
+// that is spoilt in one place must fail in that stage.
+#include "support/device.hpp"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "check/check.hpp"
+#include "images/support/prepared_scene.hpp"
+
+namespace regulus::test {
+namespace {
+
+using namespace interface;
+using check::Tally;
+using render::Pass;
+using render::Recording;
+
+/// A scene with everything that a check needs.
+class Checked {
+ public:
+  explicit Checked(const char* scene)
+      : prepared_(prepare(own_scenes() / scene)),
+        world_(prepared_.scene, prepared_.bvh),
+        recorder_(*device(), prepared_.scene, prepared_.bvh, settings(), SIZE * SIZE),
+        camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
+    reference_.width = reference_.height = SIZE;
+    reference_.max_depth = recorder_.settings().max_depth;
+    reference_.techniques = recorder_.settings().techniques;
+    reference_.filter = {FILTER_BOX, 0.5, 0};
+  }
+
+  Recording record(Pass pass) { return recorder_.record(pass, 0, 3); }
+  std::vector<Tally> check(Pass pass, const Recording& recording) const {
+    return check_stages(subject(), pass, recording);
+  }
+  std::vector<Tally> paths(const Recording& recording) const { return check_paths(subject(), recording); }
+
+ private:
+  static constexpr uint32_t SIZE = 48;
+
+  static render::RenderSettings settings() {
+    render::RenderSettings result;
+    result.width = result.height = SIZE;
+    result.filter = FILTER_BOX;
+    result.filter_radius = 0.5F;
+    result.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
+    return result;
+  }
+  check::Subject subject() const {
+    return {prepared_.scene, prepared_.bvh, world_, camera_, recorder_.settings(), reference_};
+  }
+
+  PreparedScene prepared_;
+  reference::World world_;
+  render::StageRecorder recorder_;
+  reference::Camera camera_;
+  reference::Settings reference_;
+};
+
+class DeviceStages : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+};
+
+TEST_P(DeviceStages, AgreeWithTheReference) {
+  Checked checked(GetParam());
+  std::printf("%s\n", Tally::header().c_str());
+  const auto expect_all = [](const std::vector<Tally>& tallies) {
+    for (const Tally& tally : tallies) {
+      std::printf("%s\n", tally.line().c_str());
+      EXPECT_TRUE(tally.is_passed());
+    }
+  };
+  const Recording camera = checked.record(Pass::Camera);
+  expect_all(checked.check(Pass::Camera, camera));
+  expect_all(checked.paths(camera));
+  expect_all(checked.check(Pass::Light, checked.record(Pass::Light)));
+}
+
+INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,
+                         testing::Values("cornell/cornell.gltf", "plates/plates.gltf",
+                                         "furnace/furnace-point.gltf"));
+
+struct Fault {
+  const char* name;
+  Pass pass;
+  size_t line;  // of check_stages that has to fail
+  std::function<void(Recording&)> plant;
+};
+
+uint32_t first_hit(const render::RecordedBounce& bounce) {
+  for (const uint32_t slot : bounce.continuing)
+    if (bounce.hits[slot].triangle != INVALID_INDEX) return slot;
+  return 0;
+}
+
+TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  Checked checked("cornell/cornell.gltf");
+  const Recording camera = checked.record(Pass::Camera);
+  const Recording light = checked.record(Pass::Light);
+  const auto rotated = [](glm::vec3 v) { return glm::normalize(v + glm::vec3(1e-3F, -1e-3F, 5e-4F)); };
+  const Fault faults[] = {
+      {"camera ray", Pass::Camera, 0,
+       [&](Recording& r) { r.generated[5].direction = rotated(r.generated[5].direction); }},
+      {"another triangle", Pass::Camera, 1, [](Recording& r) { r.bounces[0].hits[7].triangle ^= 1U; }},
+      {"distance of a hit", Pass::Camera, 1, [](Recording& r) { r.bounces[0].hits[9].t *= 1.001F; }},
+      {"throughput", Pass::Camera, 2,
+       [](Recording& r) { r.bounces[1].after[first_hit(r.bounces[1])].throughput.g *= 1.001F; }},
+      {"direction", Pass::Camera, 2,
+       [&](Recording& r) {
+         Path& path = r.bounces[0].after[first_hit(r.bounces[0])];
+         path.direction = rotated(path.direction);
+       }},
+      {"a path that ends", Pass::Camera, 2, [](Recording& r) { r.bounces[0].continuing.pop_back(); }},
+      {"a shadow", Pass::Camera, 3,
+       [](Recording& r) {
+         render::RecordedBounce& bounce = r.bounces[0];
+         for (const VisibilityCandidate& candidate : bounce.candidates) {
+           if (bounce.radiance[candidate.path] == bounce.radiance_before_visibility[candidate.path]) continue;
+           bounce.radiance[candidate.path] = bounce.radiance_before_visibility[candidate.path];
+           if (glm::length(candidate.contribution) > 1e-3F) break;
+         }
+       }},
+      {"emitted power", Pass::Light, 0, [](Recording& r) { r.generated[3].throughput *= 1.001F; }},
+      {"light path's throughput", Pass::Light, 2,
+       [](Recording& r) { r.bounces[0].after[first_hit(r.bounces[0])].throughput *= 1.001F; }},
+  };
+  for (const Fault& fault : faults) {
+    Recording spoilt = fault.pass == Pass::Camera ? camera : light;
+    fault.plant(spoilt);
+    const std::vector<Tally> tallies = checked.check(fault.pass, spoilt);
+    ASSERT_LT(fault.line, tallies.size());
+    EXPECT_FALSE(tallies[fault.line].is_passed()) << fault.name << " was not found\n"
+                                                  << tallies[fault.line].line();
+  }
+}
+
+}  // namespace
+}  // namespace regulus::test
