@@ -46,5 +46,33 @@ TEST(Stages, WithoutLightSamplingNothingIsTracedForVisibility) {
       (Names{"camera_generate", "trace_closest", "camera_bounce.transmissive", "accumulate", "count_work"}));
 }
 
+// Techniques that cannot contribute to the scene are dropped, and with them their stages and their share of
+// weights.
+TEST(Techniques, ThatTheSceneCannotUseAreDropped) {
+  constexpr uint32_t ALL =
+      TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+  RenderSettings settings;
+  settings.techniques = ALL;
+  scene::Features features;
+  features.has_connectible_surfaces = true;
+  EXPECT_EQ(effective_techniques(features, settings), 0u) << "no light";
+  features.bits = FEATURE_POINT_LIGHTS;
+  EXPECT_EQ(effective_techniques(features, settings), ALL & ~TECHNIQUE_HIT) << "delta lights cannot be hit";
+  features.bits = FEATURE_TRIANGLE_LIGHTS;
+  EXPECT_EQ(effective_techniques(features, settings), ALL);
+  features.has_connectible_surfaces = false;
+  EXPECT_EQ(effective_techniques(features, settings), ALL & ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE))
+      << "perfect mirrors cannot be connected";
+  settings.regularization = REGULARIZATION_ROUGHNESS;
+  EXPECT_EQ(effective_techniques(features, settings), ALL) << "but with raised roughness they can";
+}
+
+// Nothing of light subpaths is built for a path tracer.
+TEST(Stages, PathTracingHasNoLightSubpaths) {
+  for (const std::string& name : needed(DIFFUSE | OPAQUE | TRANSMISSIVE, TECHNIQUE_HIT | TECHNIQUE_NEE))
+    for (const char* part : {"light", "splat", "connect", "merge", "grid", "scan"})
+      EXPECT_EQ(name.find(part), std::string::npos) << name;
+}
+
 }  // namespace
 }  // namespace regulus::render
