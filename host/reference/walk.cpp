@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <utility>
 
 #include "reference/rng.hpp"
 #include "reference/sampling.hpp"
@@ -138,7 +137,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   for (uint32_t bounce = 0; bounce < settings.max_depth; ++bounce) {
     std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, true);
     if (!vertex) break;
-    subpath.vertices.push_back(std::move(*vertex));
+    subpath.vertices.push_back(*vertex);
     WalkVertex& reached = subpath.vertices.back();
     if (bounce + 2 > settings.max_depth) break;
     const dvec4 u =
@@ -172,7 +171,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   for (uint32_t bounce = 0; bounce + 1 < settings.max_depth; ++bounce) {
     std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, false);
     if (!vertex) break;
-    subpath.vertices.push_back(std::move(*vertex));
+    subpath.vertices.push_back(*vertex);
     if (bounce + 2 == settings.max_depth) break;
     WalkVertex& reached = subpath.vertices.back();
     const dvec4 u = block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);

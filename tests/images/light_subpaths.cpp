@@ -3,6 +3,8 @@
 // weights.
 #include <gtest/gtest.h>
 
+#include <span>
+
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
@@ -14,7 +16,7 @@ namespace {
 using namespace interface;
 using render::RenderSettings;
 
-constexpr int BATCHES = 13;
+constexpr int BATCHES = 11;
 constexpr uint32_t SIZE = 16;
 
 constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
@@ -29,7 +31,7 @@ struct NamedSet {
 // Connections to drawn vertices and merges of an iteration that has more light paths than the film has
 // pixels.
 RenderSettings settings_of(uint32_t techniques, uint32_t cache_connections) {
-  RenderSettings settings = box_filtered(SIZE, SIZE, is_slow_device() ? 4 : 32, 5);
+  RenderSettings settings = box_filtered(SIZE, SIZE, is_slow_device() ? 4 : 24, 5);
   settings.techniques = techniques;
   settings.cache_connections = cache_connections;
   if ((techniques & TECHNIQUE_MERGE) != 0) {
@@ -46,12 +48,15 @@ class LightSubpaths : public testing::Test {
 
   void expect_sets_agree(const char* name, const GltfScene& scene, const std::vector<NamedSet>& sets,
                          uint32_t reference = PT) {
+    // A slow device compiles and runs two sets only: what it could get wrong is the driver's, not the
+    // weights'.
+    const size_t set_count = is_slow_device() ? 2 : sets.size();
     const PreparedScene prepared = prepare(scene);
     const auto known = render_batches(prepared, settings_of(reference, 0), BATCHES, 100);
     std::printf("%s: mean %.4f\n", name, mean_of(known[0])[0]);
     EXPECT_GT(mean_of(known[0])[0], 0);
     uint32_t stream = 101;
-    for (const NamedSet& set : sets) {
+    for (const NamedSet& set : std::span(sets).first(set_count)) {
       const bool is_cached = std::string(set.name).find("cache") != std::string::npos;
       const auto batches =
           render_batches(prepared, settings_of(set.techniques, is_cached ? 3 : 0), BATCHES, stream++);
@@ -65,7 +70,7 @@ class LightSubpaths : public testing::Test {
 
 // Each finds all light: where there are delta lights one technique at least must sample them.
 const std::vector<NamedSet> COMPLETE_SETS = {
-    {"bpt", BPT}, {"bpt, cache", BPT}, {"vcm", VCM}, {"bpm", PT | TECHNIQUE_MERGE}};
+    {"bpt", BPT}, {"vcm", VCM}, {"bpt, cache", BPT}, {"bpm", PT | TECHNIQUE_MERGE}};
 
 std::vector<NamedSet> with(std::vector<NamedSet> sets, std::initializer_list<NamedSet> more) {
   sets.insert(sets.end(), more);
