@@ -64,6 +64,7 @@ std::vector<uint32_t> sum(const std::vector<uint32_t>& a, const std::vector<uint
 // wave of 1024 walks the iteration's light paths and its pixels in pieces, and at 12 edges more vertices come
 // than were expected.
 TEST_F(Determinism, WaveSizeDoesNotChangeAnyBitWithLightSubpaths) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
   constexpr uint32_t BPT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT |
                            interface::TECHNIQUE_CONNECT;
   constexpr uint32_t VCM = BPT | interface::TECHNIQUE_MERGE;
@@ -82,6 +83,7 @@ TEST_F(Determinism, WaveSizeDoesNotChangeAnyBitWithLightSubpaths) {
 }
 
 TEST_F(Determinism, SampleRangesAddUpWithLightSubpaths) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
   RenderSettings part = settings();
   part.techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT |
                     interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
