@@ -13,7 +13,12 @@ constexpr int WORDS = interface::FILM_WORDS_PER_PIXEL;
 constexpr int FRACTION = interface::FILM_FRACTION_BITS;
 
 Film empty_film(uint32_t width, uint32_t height, uint64_t paths) {
-  return {width, height, std::vector<uint32_t>(size_t{width} * height * WORDS), paths};
+  Film film;
+  film.width = width;
+  film.height = height;
+  film.words.resize(size_t{width} * height * WORDS);
+  film.paths = paths;
+  return film;
 }
 
 /// Sets bit `bit` of the 96-bit sum of a channel: the value 2^(bit - FRACTION).
