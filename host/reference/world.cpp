@@ -55,6 +55,10 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.shading_normal = surface.geometric_normal;
   surface.area = 0.5 * length(cross);
   surface.uv = b.x * dvec2(v0.uv) + b.y * dvec2(v1.uv) + b.z * dvec2(v2.uv);
+  if (!scene_.vertex_colors.empty())
+    surface.color = b.x * glm::dvec4(scene_.vertex_colors[triangle.v0]) +
+                    b.y * glm::dvec4(scene_.vertex_colors[triangle.v1]) +
+                    b.z * glm::dvec4(scene_.vertex_colors[triangle.v2]);
   surface.triangle = index;
   surface.material = triangle.material;
   surface.light = triangle.light;
@@ -75,7 +79,8 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   const glm::dvec4 metallic_roughness = texture_at(material.metallic_roughness_texture, surface.uv);
   const double roughness = material.roughness * metallic_roughness.g;
   BsdfParameters p;
-  p.base_color = dvec3(material.base_color) * dvec3(texture_at(material.base_color_texture, surface.uv));
+  p.base_color = dvec3(material.base_color) * dvec3(surface.color) *
+                 dvec3(texture_at(material.base_color_texture, surface.uv));
   p.metallic = material.metallic * metallic_roughness.b;
   p.alpha = dvec2(roughness > 0 ? std::max(roughness * roughness, MIN_ALPHA) : 0.0);
   p.ior = material.ior;
@@ -91,7 +96,9 @@ Bsdf World::bsdf_at(const Surface& surface) const {
 
 dvec3 World::emission_at(const Surface& surface) const {
   const Material& material = scene_.materials[surface.material];
-  return dvec3(material.emission) * dvec3(texture_at(material.emissive_texture, surface.uv));
+  const bool is_unlit = (material.flags & MATERIAL_UNLIT) != 0;
+  return dvec3(material.emission) * dvec3(texture_at(material.emissive_texture, surface.uv)) *
+         (is_unlit ? dvec3(surface.color) : dvec3(1));
 }
 
 bool World::emits_from_both_sides(const Surface& surface) const {

@@ -17,7 +17,8 @@ struct Surface {
   glm::dvec3 geometric_normal{0};
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
   glm::dvec2 uv{0};
-  double area = 0;  ///< of the triangle, m^2
+  glm::dvec4 color{1};  ///< vertex colour
+  double area = 0;      ///< of the triangle, m^2
   uint32_t triangle = interface::INVALID_INDEX;
   uint32_t material = interface::INVALID_INDEX;
   uint32_t light = interface::INVALID_INDEX;  ///< of the triangle, if it emits

@@ -19,6 +19,7 @@ class AccessorReader {
   AccessorReader(const Document& document, int accessor, int type, std::string element);
 
   uint64_t count() const { return count_; }
+  uint64_t components() const { return components_; }
   const std::string& element() const { return element_; }
 
   glm::vec2 vec2_at(uint64_t i) const;

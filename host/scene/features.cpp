@@ -93,7 +93,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_ABSORPTION, "absorption", "media along the path and their transmittance"},
       FeatureDescription{FEATURE_MANY_LIGHTS, "many_lights", "the choice among lights"},
       FeatureDescription{FEATURE_SMOOTH_NORMALS, "smooth_normals", "interpolation of vertex normals"},
-      FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"}};
+      FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"},
+      FeatureDescription{FEATURE_VERTEX_COLORS, "vertex_colors", "colours of vertices"}};
   return DESCRIPTIONS;
 }
 
@@ -106,6 +107,7 @@ Features find_features(const Scene& scene) {
     has_smooth_normals = has_smooth_normals || is_smooth(scene, triangle);
   }
   if (has_smooth_normals) features.bits |= interface::FEATURE_SMOOTH_NORMALS;
+  if (!scene.vertex_colors.empty()) features.bits |= interface::FEATURE_VERTEX_COLORS;
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     if (!is_used[i]) continue;
     features.bits |= material_features(scene, scene.materials[i]);

@@ -32,6 +32,7 @@ struct Tally {
   uint64_t without_area = 0;
   uint64_t bad_normals = 0;
   uint64_t bad_uvs = 0;
+  uint64_t bad_colors = 0;
 };
 
 const tinygltf::Primitive& primitive_of(const Document& document, const Instance& instance) {
@@ -50,6 +51,16 @@ std::optional<AccessorReader> attribute(const Document& document, const Instance
   const auto found = attributes.find(name);
   if (found == attributes.end()) return std::nullopt;
   return AccessorReader(document, found->second, type, instance_name(document, instance) + " " + name);
+}
+
+/// COLOR_0, whose elements have three or four components.
+std::optional<AccessorReader> color_attribute(const Document& document, const Instance& instance) {
+  const auto& attributes = primitive_of(document, instance).attributes;
+  const auto found = attributes.find("COLOR_0");
+  if (found == attributes.end()) return std::nullopt;
+  const int type = document.model.accessors.at(static_cast<size_t>(found->second)).type;
+  return attribute(document, instance, "COLOR_0",
+                   type == TINYGLTF_TYPE_VEC3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4);
 }
 
 /// The corners of a primitive's triangles as indices into its vertices.
@@ -131,6 +142,7 @@ class PrimitiveBuilder {
         uv_mapping_(mapping_of(document, instance)),
         uvs_(attribute(document, instance, fmt::format("TEXCOORD_{}", uv_mapping_.set).c_str(),
                        TINYGLTF_TYPE_VEC2)),
+        colors_(color_attribute(document, instance)),
         triangles_(document, instance, positions_.count()) {
     const glm::dmat3 linear(instance.to_world);
     const double determinant = glm::determinant(linear);
@@ -147,6 +159,7 @@ class PrimitiveBuilder {
   void build() {
     require_same_count(normals_);
     require_same_count(uvs_);
+    require_same_count(colors_);
     if (!uvs_ && uv_mapping_.set != 0)
       document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
                                  instance_name(document_, instance_), uv_mapping_.set));
@@ -189,6 +202,23 @@ class PrimitiveBuilder {
     return glm::vec2(0);
   }
 
+  /// Clamped as the specification demands (glTF 2.0, 3.7.2.1).
+  glm::vec4 color(uint64_t i) {
+    const glm::vec4 value =
+        colors_->components() == 3 ? glm::vec4(colors_->vec3_at(i), 1) : colors_->vec4_at(i);
+    if (!glm::any(glm::isnan(value))) return glm::clamp(value, 0.0f, 1.0f);
+    ++tally_.bad_colors;
+    return glm::vec4(1);
+  }
+
+  /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
+  void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
+    scene_.vertices.push_back({world_position, world_normal, uv(source)});
+    if (!colors_) return;
+    scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
+    scene_.vertex_colors.push_back(color(source));
+  }
+
   /// World-space unit normal; zero where the file's normal gives no direction.
   glm::vec3 normal(uint64_t i) const {
     const glm::dvec3 world = normal_to_world_ * glm::dvec3(normals_->vec3_at(i));
@@ -199,8 +229,7 @@ class PrimitiveBuilder {
 
   void add_shared_vertices() {
     first_vertex_ = static_cast<uint32_t>(scene_.vertices.size());
-    for (uint64_t i = 0; i < positions_.count(); ++i)
-      scene_.vertices.push_back({position(i), normal(i), uv(i)});
+    for (uint64_t i = 0; i < positions_.count(); ++i) add_vertex(i, position(i), normal(i));
   }
 
   void add_smooth_triangles() {
@@ -236,7 +265,7 @@ class PrimitiveBuilder {
         continue;
       }
       const uint32_t first = static_cast<uint32_t>(scene_.vertices.size());
-      for (int i = 0; i < 3; ++i) scene_.vertices.push_back({p[i], geometric, uv(corner[i])});
+      for (int i = 0; i < 3; ++i) add_vertex(corner[i], p[i], geometric);
       add_triangle({first, first + 1, first + 2});
     }
   }
@@ -260,6 +289,7 @@ class PrimitiveBuilder {
   std::optional<AccessorReader> normals_;
   UvMapping uv_mapping_;
   std::optional<AccessorReader> uvs_;
+  std::optional<AccessorReader> colors_;
   TriangleList triangles_;
   bool is_mirrored_ = false;
   glm::dmat3 normal_to_world_{1.0};
@@ -267,9 +297,13 @@ class PrimitiveBuilder {
   uint32_t first_vertex_ = 0;
 };
 
-void warn_of_ignored_attributes(Document& document, const Instance& instance) {
-  for (const auto& [name, accessor] : primitive_of(document, instance).attributes)
-    if (name.rfind("COLOR_", 0) == 0) document.warn("vertex colours are not read");
+/// Makes the colours one per vertex, or none if all are white, as many exporters write them.
+void complete_colors(Scene& scene) {
+  auto& colors = scene.vertex_colors;
+  const bool has_colors =
+      std::any_of(colors.begin(), colors.end(), [](const glm::vec4& c) { return c != glm::vec4(1); });
+  colors.resize(has_colors ? scene.vertices.size() : 0, glm::vec4(1));
+  colors.shrink_to_fit();
 }
 
 std::vector<Instance> find_instances(Document& document, const std::vector<PlacedNode>& nodes) {
@@ -295,6 +329,7 @@ std::vector<Instance> find_instances(Document& document, const std::vector<Place
 void require_memory(const Document& document, const std::vector<Instance>& instances, Scene& scene) {
   uint64_t triangles = 0;
   uint64_t vertices = 0;
+  bool has_colors = false;
   for (const Instance& instance : instances) {
     const auto& attributes = primitive_of(document, instance).attributes;
     const AccessorReader positions(document, attributes.at("POSITION"), TINYGLTF_TYPE_VEC3,
@@ -302,11 +337,13 @@ void require_memory(const Document& document, const std::vector<Instance>& insta
     const uint64_t primitive_triangles = TriangleList(document, instance, positions.count()).size();
     triangles += primitive_triangles;
     vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * primitive_triangles;
+    has_colors = has_colors || attributes.count("COLOR_0") != 0;
     if (triangles >= (uint64_t{1} << 31) || vertices >= INVALID_INDEX)
       document.fail(
           fmt::format("more than 2^31 triangles or 2^32 vertices after instancing; reduce the scene"));
   }
-  const uint64_t bytes = triangles * sizeof(interface::Triangle) + vertices * sizeof(interface::Vertex);
+  const uint64_t bytes = triangles * sizeof(interface::Triangle) +
+                         vertices * (sizeof(interface::Vertex) + (has_colors ? sizeof(glm::vec4) : 0));
   const uint64_t memory =
       static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
   if (bytes > memory / 2)
@@ -323,10 +360,8 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scen
   const std::vector<Instance> instances = find_instances(document, place_meshes(document, nodes));
   require_memory(document, instances, scene);
   Tally tally;
-  for (const Instance& instance : instances) {
-    warn_of_ignored_attributes(document, instance);
-    PrimitiveBuilder(document, instance, scene, tally).build();
-  }
+  for (const Instance& instance : instances) PrimitiveBuilder(document, instance, scene, tally).build();
+  complete_colors(scene);
   if (tally.without_area != 0)
     document.warn(
         fmt::format("{} of {} triangles have no area and were dropped", tally.without_area, tally.triangles));
@@ -335,6 +370,8 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scen
         fmt::format("{} vertex normals have no direction; geometric normals are used", tally.bad_normals));
   if (tally.bad_uvs != 0)
     document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
+  if (tally.bad_colors != 0)
+    document.warn(fmt::format("{} vertex colours are not numbers; white is used", tally.bad_colors));
 }
 
 }  // namespace regulus::scene

@@ -125,7 +125,7 @@ class MaterialBuilder {
     material.base_color = material.specular_color = glm::vec3(0);
     material.metallic = material.specular = material.transmission = 0;
     material.absorption = glm::vec3(0);
-    material.flags = interface::MATERIAL_DOUBLE_SIDED;
+    material.flags = interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_UNLIT;
     if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
   }
 

@@ -31,6 +31,7 @@ REGULUS_LAYOUT(Triangle, 24);
 REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scattering never depends on it
 REGULUS_CONSTANT MATERIAL_VOLUME = 2u;        // refracting boundary of a solid; clear: transmission is thin-walled
 REGULUS_CONSTANT MATERIAL_EMISSIVE = 4u;
+REGULUS_CONSTANT MATERIAL_UNLIT = 8u;           // its emission is its base colour: vertex colours scale it
 
 // Material classes: which lobes a material can have, so that each class has its own bounce queue and a
 // pipeline without the code of the other lobes. In a triangle's tag (see bvh.h) the low 8 bits.

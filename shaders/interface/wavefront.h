@@ -59,6 +59,7 @@ REGULUS_CONSTANT FEATURE_ABSORPTION = 64u;         // some volume attenuates
 REGULUS_CONSTANT FEATURE_MANY_LIGHTS = 128u;       // more than one light: the alias table is read
 REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals differ from its geometric normal
 REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
+REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -189,6 +190,7 @@ struct Frame {
   DeviceAddress bvh_nodes;
   DeviceAddress bvh_triangles;
   DeviceAddress vertices;
+  DeviceAddress vertex_colors;   // vec4 per vertex, linear RGBA; only with FEATURE_VERTEX_COLORS
   DeviceAddress triangles;
   DeviceAddress materials;
   DeviceAddress textures;
@@ -239,7 +241,7 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
 };
-REGULUS_LAYOUT(Frame, 392);
+REGULUS_LAYOUT(Frame, 400);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -16,8 +16,7 @@ vec3 emission_towards(Frame frame, ShadingPoint point, Path path, TechniqueCount
   if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
   if (point.surface.light == INVALID_INDEX) return vec3(0.0);
   if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
-  vec3 radiance = emitted_radiance(frame.textures, frame.texels, point.material.emission,
-                                   point.material.emissive_texture, point.surface.uv);
+  vec3 radiance = emitted_radiance(frame, point.material, point.material.emission, point.surface.uv, point.surface.color);
   if (path.bounce == 0u) return radiance;
   float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
   float area_pdf = selection_pdf / point.surface.area;

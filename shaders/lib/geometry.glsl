@@ -64,6 +64,14 @@ SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   return point;
 }
 
+// COLOR_0 between the vertices of a triangle, linear RGBA. White if the scene has none.
+vec4 vertex_color(Frame frame, Triangle triangle, vec2 barycentrics) {
+  if ((spec_features & FEATURE_VERTEX_COLORS) == 0u) return vec4(1.0);
+  return (1.0 - barycentrics.x - barycentrics.y) * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v0) +
+         barycentrics.x * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v1) +
+         barycentrics.y * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v2);
+}
+
 // Everything shading needs of a hit.
 struct Surface {
   vec3 position;
@@ -71,16 +79,17 @@ struct Surface {
   vec3 geometric_normal;  // unit, front side
   vec3 shading_normal;    // unit, in the hemisphere of geometric_normal
   vec2 uv;
+  vec4 color;             // vertex colour
   uint material;
   uint light;
   float area;  // of the triangle, m^2
 };
 
-Surface surface_at(DeviceAddress triangles, DeviceAddress vertices, uint triangle_index, vec2 barycentrics) {
-  Triangle triangle = LOAD(TriangleBuffer, triangles, triangle_index);
-  Vertex v0 = LOAD(VertexBuffer, vertices, triangle.v0);
-  Vertex v1 = LOAD(VertexBuffer, vertices, triangle.v1);
-  Vertex v2 = LOAD(VertexBuffer, vertices, triangle.v2);
+Surface surface_at(Frame frame, uint triangle_index, vec2 barycentrics) {
+  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
+  Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
+  Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
+  Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
   SurfacePoint point = point_on_triangle(v0.position, v1.position, v2.position, barycentrics);
 
   Surface surface;
@@ -99,6 +108,7 @@ Surface surface_at(DeviceAddress triangles, DeviceAddress vertices, uint triangl
     }
   }
   surface.uv = b0 * v0.uv + barycentrics.x * v1.uv + barycentrics.y * v2.uv;
+  surface.color = vertex_color(frame, triangle, barycentrics);
   surface.material = triangle.material;
   surface.light = triangle.light;
   return surface;

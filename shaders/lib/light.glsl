@@ -70,11 +70,11 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   bool emits = cos_light > 0.0;
   float emission_pdf = INV_PI * abs(cos_light);
   vec3 radiance = light.intensity;
-  if ((spec_features & (FEATURE_TEXTURES | FEATURE_TWO_SIDED_LIGHTS)) != 0u) {
+  if ((spec_features & (FEATURE_TEXTURES | FEATURE_TWO_SIDED_LIGHTS | FEATURE_VERTEX_COLORS)) != 0u) {
     Material material = LOAD(MaterialBuffer, frame.materials, light.material);
     emits = emits || (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
     emission_pdf = triangle_emission_pdf(material, abs(cos_light));
-    radiance = emitted_radiance(frame.textures, frame.texels, radiance, material.emissive_texture, uv);
+    radiance = emitted_radiance(frame, material, radiance, uv, vertex_color(frame, triangle, barycentrics));
   }
   result.radiance = emits ? radiance : vec3(0.0);
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);

@@ -27,7 +27,7 @@ vec3 to_world(ShadingPoint point, vec3 w) {
 
 ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo) {
   ShadingPoint point;
-  point.surface = surface_at(frame.triangles, frame.vertices, triangle, barycentrics);
+  point.surface = surface_at(frame, triangle, barycentrics);
   point.is_front = dot(wo, point.surface.geometric_normal) > 0.0;
   float side = point.is_front ? 1.0 : -1.0;
   point.geometric_normal = side * point.surface.geometric_normal;
@@ -35,7 +35,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   orthonormal_basis(point.normal, point.tangent, point.bitangent);
   point.wo = to_local(point, wo);
   point.material = LOAD(MaterialBuffer, frame.materials, point.surface.material);
-  apply_textures(frame.textures, frame.texels, point.surface.uv, point.material);
+  apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
   return point;
 }

@@ -41,8 +41,9 @@ vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, ve
   return mix(top, bottom, weight.y);
 }
 
-// Multiplies the textured factors of a material by their textures at uv.
-void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, inout Material material) {
+// Multiplies the factors of a material by the vertex colour and by their textures at uv.
+void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, vec4 color, inout Material material) {
+  if ((spec_features & FEATURE_VERTEX_COLORS) != 0u) material.base_color *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return;
   material.base_color *= sample_texture(textures, texels, material.base_color_texture, uv).rgb;
   if (spec_material_class == MATERIAL_CLASS_DIFFUSE) return;
@@ -53,10 +54,12 @@ void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, inout
     material.transmission *= sample_texture(textures, texels, material.transmission_texture, uv).r;
 }
 
-// Radiance a material emits at uv.
-vec3 emitted_radiance(DeviceAddress textures, DeviceAddress texels, vec3 factor, uint texture_index, vec2 uv) {
+// Radiance a material emits at uv, with its emission factor (or the one of the light that stands for it) and the
+// vertex colour there.
+vec3 emitted_radiance(Frame frame, Material material, vec3 factor, vec2 uv, vec4 color) {
+  if ((spec_features & FEATURE_VERTEX_COLORS) != 0u && (material.flags & MATERIAL_UNLIT) != 0u) factor *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return factor;
-  return factor * sample_texture(textures, texels, texture_index, uv).rgb;
+  return factor * sample_texture(frame.textures, frame.texels, material.emissive_texture, uv).rgb;
 }
 
 #endif

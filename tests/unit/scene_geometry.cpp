@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "interface/wavefront.h"
 #include "scene_files.hpp"
 
 namespace regulus::scene::test {
@@ -46,6 +47,42 @@ TEST(SceneGeometry, FlatTrianglesOwnTheirVertices) {
   ASSERT_EQ(scene.vertices.size(), 6u);
   EXPECT_EQ(scene.vertices[0].normal, glm::vec3(0, 0, 1));
   EXPECT_EQ(scene.vertices[3].normal, glm::vec3(1, 0, 0));
+}
+
+// glTF 2.0, 3.7.2.1: any of three component types, with or without alpha, clamped; white where not given.
+TEST(SceneGeometry, VertexColoursOfAllComponentTypes) {
+  const auto colors_of = [](const auto& values, const char* type, int component, bool is_normalized) {
+    Gltf file;
+    const size_t accessor = file.accessor(values, type, component);
+    file.root["accessors"][accessor]["normalized"] = is_normalized;
+    file.triangle(
+        {{"attributes", {{"POSITION", file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})}, {"COLOR_0", accessor}}}});
+    file.triangle();
+    const Scene scene = file.load();
+    EXPECT_EQ(scene.vertex_colors.size(), 6u);
+    EXPECT_EQ(scene.vertex_colors.at(5), glm::vec4(1));
+    EXPECT_NE(find_features(scene).bits & interface::FEATURE_VERTEX_COLORS, 0u);
+    return scene.vertex_colors.at(1);
+  };
+  EXPECT_EQ(colors_of(std::vector<float>{0, 0, 0, 0.25, -1, 2, 0, 0, 0}, "VEC3", FLOAT, false),
+            glm::vec4(0.25, 0, 1, 1));
+  // Elements are padded to four bytes by their alpha.
+  EXPECT_EQ(
+      colors_of(std::vector<uint8_t>{0, 0, 0, 0, 51, 0, 255, 102, 0, 0, 0, 0}, "VEC4", UNSIGNED_BYTE, true),
+      glm::vec4(51 / 255.0f, 0, 1, 102 / 255.0f));
+  EXPECT_EQ(colors_of(std::vector<uint16_t>{0, 0, 0, 0, 13107, 0, 65535, 26214, 0, 0, 0, 0}, "VEC4",
+                      UNSIGNED_SHORT, true),
+            glm::vec4(13107 / 65535.0f, 0, 1, 26214 / 65535.0f));
+}
+
+TEST(SceneGeometry, WhiteVertexColoursAreNotKept) {
+  Gltf file;
+  file.triangle({{"attributes",
+                  {{"POSITION", file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                   {"COLOR_0", file.accessor(std::vector<float>(9, 1.0f), "VEC3", FLOAT)}}}});
+  const Scene scene = file.load();
+  EXPECT_TRUE(scene.vertex_colors.empty());
+  EXPECT_EQ(find_features(scene).bits & interface::FEATURE_VERTEX_COLORS, 0u);
 }
 
 TEST(SceneGeometry, StripsKeepTheirOrientation) {

@@ -80,7 +80,8 @@ TEST(SceneMaterial, UnlitGlowsInItsBaseColourAndReflectsNothing) {
   EXPECT_EQ(material.base_color_texture, interface::INVALID_INDEX);
   EXPECT_EQ(material.base_color, glm::vec3(0));
   EXPECT_EQ(material.material_class, interface::MATERIAL_CLASS_DIFFUSE);
-  EXPECT_EQ(material.flags, interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE);
+  EXPECT_EQ(material.flags,
+            interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE | interface::MATERIAL_UNLIT);
 }
 
 TEST(SceneMaterial, VolumesAttenuate) {

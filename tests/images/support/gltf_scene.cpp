@@ -1,5 +1,7 @@
 #include "images/support/gltf_scene.hpp"
 
+#include <stb_image_write.h>
+
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -161,7 +163,8 @@ GltfScene::GltfScene() {
   gltf_["scenes"] = json::array({{{"nodes", json::array()}}});
   gltf_["extensionsUsed"] = {"KHR_lights_punctual",        "KHR_materials_emissive_strength",
                              "KHR_materials_ior",          "KHR_materials_specular",
-                             "KHR_materials_transmission", "KHR_materials_volume"};
+                             "KHR_materials_transmission", "KHR_materials_volume",
+                             "KHR_materials_unlit"};
   gltf_["nodes"] = json::array();
 }
 
@@ -172,7 +175,34 @@ size_t GltfScene::add_buffer_view(const void* data, size_t bytes) {
   return gltf_["bufferViews"].size() - 1;
 }
 
-void GltfScene::add(const Polygons& polygons, const json& material, const glm::dmat4& matrix) {
+size_t GltfScene::add_accessor(const void* data, size_t elements, const char* type) {
+  const size_t bytes = elements * static_cast<size_t>(type[3] - '0') * sizeof(float);
+  gltf_["accessors"].push_back({{"bufferView", add_buffer_view(data, bytes)},
+                                {"componentType", 5126},
+                                {"count", elements},
+                                {"type", type}});
+  return gltf_["accessors"].size() - 1;
+}
+
+size_t GltfScene::add_texture(int width, const std::vector<uint8_t>& rgba, bool is_nearest) {
+  std::vector<unsigned char> png;
+  const auto append = [](void* context, void* data, int size) {
+    const auto* bytes = static_cast<const unsigned char*>(data);
+    auto* out = static_cast<std::vector<unsigned char>*>(context);
+    out->insert(out->end(), bytes, bytes + size);
+  };
+  const int height = static_cast<int>(rgba.size()) / (4 * width);
+  if (stbi_write_png_to_func(append, &png, width, height, 4, rgba.data(), 4 * width) == 0)
+    throw std::runtime_error("a texture could not be encoded");
+  gltf_["images"].push_back({{"uri", "data:image/png;base64," + base64(png)}});
+  gltf_["samplers"].push_back({{"magFilter", is_nearest ? 9728 : 9729}});
+  gltf_["textures"].push_back(
+      {{"source", gltf_["images"].size() - 1}, {"sampler", gltf_["samplers"].size() - 1}});
+  return gltf_["textures"].size() - 1;
+}
+
+void GltfScene::add(const Polygons& polygons, const json& material, const glm::dmat4& matrix,
+                    const Corners& corners) {
   std::vector<glm::vec3> positions;
   std::vector<uint32_t> indices;
   glm::vec3 low(INFINITY), high(-INFINITY);
@@ -197,10 +227,19 @@ void GltfScene::add(const Polygons& polygons, const json& material, const glm::d
                        {"max", to_json(high)}});
   accessors.push_back(
       {{"bufferView", index_view}, {"componentType", 5125}, {"count", indices.size()}, {"type", "SCALAR"}});
+  const size_t indices_accessor = accessors.size() - 1;
+  json attributes = {{"POSITION", accessors.size() - 2}};
+  const auto add_attribute = [&](const char* name, const auto& values, const char* type) {
+    if (!values.empty()) attributes[name] = add_accessor(values.data(), values.size(), type);
+  };
+  add_attribute("NORMAL", corners.normals, "VEC3");
+  add_attribute("TANGENT", corners.tangents, "VEC4");
+  add_attribute("TEXCOORD_0", corners.uvs, "VEC2");
+  add_attribute("COLOR_0", corners.colors, "VEC4");
   gltf_["materials"].push_back(material);
   gltf_["meshes"].push_back({{"primitives",
-                              {{{"attributes", {{"POSITION", accessors.size() - 2}}},
-                                {"indices", accessors.size() - 1},
+                              {{{"attributes", attributes},
+                                {"indices", indices_accessor},
                                 {"material", gltf_["materials"].size() - 1}}}}});
   gltf_["nodes"].push_back({{"mesh", gltf_["meshes"].size() - 1}, {"matrix", to_json(matrix)}});
 }

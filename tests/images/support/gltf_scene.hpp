@@ -23,6 +23,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// What the corners of polygons carry beside their positions, in their order; empty: not given.
+struct Corners {
+  std::vector<glm::vec3> normals;
+  std::vector<glm::vec4> tangents;
+  std::vector<glm::vec2> uvs;
+  std::vector<glm::vec4> colors;
+};
+
 using Polygon = std::vector<glm::dvec3>;
 
 /// A mesh as a list of convex polygons, each counter-clockwise seen from its front.
@@ -58,8 +66,11 @@ class GltfScene {
   GltfScene();
 
   /// Adds the polygons (as flat-shaded triangle fans) under a node with the given matrix.
-  void add(const Polygons& polygons, const nlohmann::json& material,
-           const glm::dmat4& matrix = glm::dmat4(1));
+  void add(const Polygons& polygons, const nlohmann::json& material, const glm::dmat4& matrix = glm::dmat4(1),
+           const Corners& corners = {});
+
+  /// Adds a texture of 8-bit RGBA rows, top row first, and returns its index.
+  size_t add_texture(int width, const std::vector<uint8_t>& rgba, bool is_nearest = false);
 
   void add_point_light(const glm::dvec3& position, const glm::dvec3& intensity);
   /// Angles in radians, from the axis.
@@ -79,6 +90,7 @@ class GltfScene {
   void write(const std::filesystem::path& path) const;
 
  private:
+  size_t add_accessor(const void* data, size_t elements, const char* type);
   size_t add_buffer_view(const void* data, size_t bytes);
   void add_light(const nlohmann::json& light, const glm::dmat4& matrix);
 
