@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "cli/bench_error.hpp"
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
 #include "gpu/gpu.hpp"
@@ -195,7 +196,7 @@ int run_bench_kernels(const BenchKernelsOptions& options) {
 }
 
 void add_bench_command(CLI::App& app) {
-  CLI::App* bench = app.add_subcommand("bench", "Measure speed");
+  CLI::App* bench = app.add_subcommand("bench", "Measure speed and error");
   bench->require_subcommand(1);
   CLI::App* kernels =
       bench->add_subcommand("kernels", "Rays per second of the traversal kernels, beside Embree");
@@ -206,6 +207,7 @@ void add_bench_command(CLI::App& app) {
   kernels->add_option("--repeats", options->repeats, "Measurements of each query; their median counts")
       ->check(CLI::Range(1, 1000));
   kernels->callback([options] { run_bench_kernels(*options); });
+  add_bench_error_commands(*bench);
 }
 
 }  // namespace regulus::cli

@@ -21,7 +21,7 @@ struct BenchKernelsOptions {
 /// @returns 0. @throws regulus::Error
 int run_bench_kernels(const BenchKernelsOptions& options);
 
-/// Registers `bench` with its suite `kernels`.
+/// Registers `bench` with its suites.
 void add_bench_command(CLI::App& app);
 
 }  // namespace regulus::cli

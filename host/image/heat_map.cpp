@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/atomic_file.hpp"
 #include "image/image.hpp"
 
 namespace regulus::image {
@@ -36,7 +37,7 @@ double relative_error(const float* const pixel, const float* const reference) {
   return std::sqrt(squared_error / (mean * mean + RELATIVE_EPSILON));
 }
 
-void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference) {
+std::string encode_heat_map(const Image& image, const Image& reference, const std::string_view name) {
   require_same_size(image, reference);
   std::vector<uint8_t> bytes(image.rgb.size());
   for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
@@ -44,7 +45,11 @@ void write_heat_map(const std::filesystem::path& path, const Image& image, const
     const Rgb8 color = std::isfinite(error) ? scale_color(1 + std::log10(error) / 3) : NON_FINITE;
     std::copy(color.begin(), color.end(), bytes.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  write_png8(path, image.width, image.height, bytes);
+  return encode_png8(image.width, image.height, bytes, name);
+}
+
+void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference) {
+  write_file_atomically(path, encode_heat_map(image, reference, path.string()));
 }
 
 }  // namespace regulus::image

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace regulus::image {
@@ -46,6 +47,11 @@ void write_png(const std::filesystem::path& path, const Image& image, float expo
 /// PNG of encoded 8-bit RGB triples, rows from the top. @throws regulus::Error (Failed).
 void write_png8(const std::filesystem::path& path, uint32_t width, uint32_t height,
                 const std::vector<uint8_t>& rgb);
+
+/// The bytes of what write_png and write_png8 write; errors name `name`. @throws regulus::Error (Failed).
+std::string encode_png(const Image& image, float exposure_ev, std::string_view name);
+std::string encode_png8(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb,
+                        std::string_view name);
 
 /// Metrics of image against reference. Sums in double. NaN if no value is finite in both images.
 struct Metrics {
@@ -90,5 +96,8 @@ double relative_error(const float* pixel, const float* reference);
 /// 0.1 orange, 1 and more pale yellow; a pixel with NaN or infinity is cyan. @throws regulus::Error (BadFile,
 /// Failed).
 void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference);
+
+/// The bytes of what write_heat_map writes; errors name `name`. @throws regulus::Error (BadFile, Failed).
+std::string encode_heat_map(const Image& image, const Image& reference, std::string_view name);
 
 }  // namespace regulus::image

@@ -45,26 +45,35 @@ float srgb_encode(const float linear) {
   return linear <= 0.0031308f ? 12.92f * linear : 1.055f * std::pow(linear, 1.0f / 2.4f) - 0.055f;
 }
 
-void write_png8(const std::filesystem::path& path, const uint32_t width, const uint32_t height,
-                const std::vector<uint8_t>& rgb) {
+std::string encode_png8(const uint32_t width, const uint32_t height, const std::vector<uint8_t>& rgb,
+                        const std::string_view name) {
   const size_t wanted = size_t{3} * width * height;
   std::string bytes;
   if (rgb.size() != wanted || wanted == 0 ||
       !stbi_write_png_to_func(append, &bytes, static_cast<int>(width), static_cast<int>(height), 3,
                               rgb.data(), static_cast<int>(3 * width)))
     throw Error(ExitStatus::Failed,
-                fmt::format("{}: {} x {} pixels cannot be encoded as PNG", path.string(), width, height));
-  write_file_atomically(path, bytes);
+                fmt::format("{}: {} x {} pixels cannot be encoded as PNG", name, width, height));
+  return bytes;
 }
 
-void write_png(const std::filesystem::path& path, const Image& image, const float exposure_ev) {
+void write_png8(const std::filesystem::path& path, const uint32_t width, const uint32_t height,
+                const std::vector<uint8_t>& rgb) {
+  write_file_atomically(path, encode_png8(width, height, rgb, path.string()));
+}
+
+std::string encode_png(const Image& image, const float exposure_ev, const std::string_view name) {
   const float scale = std::exp2(exposure_ev);
   std::vector<uint8_t> bytes(image.rgb.size());
   for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
     const auto color = tone_map({scale * image.rgb[i], scale * image.rgb[i + 1], scale * image.rgb[i + 2]});
     for (size_t c = 0; c < 3; ++c) bytes[i + c] = to_byte(srgb_encode(color[c]));
   }
-  write_png8(path, image.width, image.height, bytes);
+  return encode_png8(image.width, image.height, bytes, name);
+}
+
+void write_png(const std::filesystem::path& path, const Image& image, const float exposure_ev) {
+  write_file_atomically(path, encode_png(image, exposure_ev, path.string()));
 }
 
 }  // namespace regulus::image

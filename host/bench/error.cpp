@@ -1,0 +1,176 @@
+#include "bench/error.hpp"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <chrono>
+
+#include "base/error.hpp"
+#include "render/renderer.hpp"
+
+namespace regulus::bench {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double process_cpu_seconds() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  const auto seconds = [](timeval time) {
+    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+// One render: its curve and its last image.
+struct Trial {
+  std::vector<ErrorPoint> points;
+  image::Image image;
+};
+
+// Kernels are compiled at their first dispatch on some devices: one sample beforehand keeps that out of the
+// times.
+void warm_up(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+             render::RenderSettings settings) {
+  settings.samples = 1;
+  render::Renderer(device, scene, bvh, settings).render([](uint64_t, uint64_t) { return true; });
+}
+
+// @param reference null: no curve
+Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                render::RenderSettings settings, const ErrorBudget& budget, const image::Image* reference) {
+  settings.keeps_doublings = true;
+  settings.samples = budget.samples != 0 ? budget.samples : 1u << 24;
+  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  render::Renderer renderer(device, scene, bvh, settings);
+
+  Trial trial;
+  const auto start = Clock::now();
+  const double cpu_start = process_cpu_seconds();
+  double seconds = 0, cpu_seconds = 0, comparing = 0, comparing_cpu = 0;
+  uint64_t compared_paths = 0;
+  // Comparing costs time that is not the render's.
+  const auto compare = [&] {
+    const render::Film& film = renderer.film();
+    if (film.paths < pixels || film.paths == compared_paths) return;
+    const auto before = Clock::now();
+    const double cpu_before = process_cpu_seconds();
+    compared_paths = film.paths;
+    trial.image = render::resolve(film);
+    if (reference != nullptr)
+      trial.points.push_back({seconds, cpu_seconds,
+                              static_cast<double>(film.paths) / static_cast<double>(pixels),
+                              image::compare(trial.image, *reference).relmse});
+    comparing += seconds_since(before);
+    comparing_cpu += process_cpu_seconds() - cpu_before;
+  };
+  const auto read_clocks = [&] {
+    seconds = seconds_since(start) - comparing;
+    cpu_seconds = process_cpu_seconds() - cpu_start - comparing_cpu;
+  };
+  renderer.render([&](uint64_t done, uint64_t) {
+    if (budget.is_interrupted && budget.is_interrupted()) throw Error(ExitStatus::Interrupted, "interrupted");
+    read_clocks();
+    compare();
+    const double spent = budget.counts_cpu_time ? cpu_seconds : seconds;
+    return budget.samples != 0 || done < pixels || spent < budget.seconds;
+  });
+  read_clocks();
+  compare();
+  return trial;
+}
+
+// Means over the trials at each doubling of the samples that all of them reached, and at the end.
+std::vector<ErrorPoint> mean_curve(const std::vector<Trial>& trials) {
+  std::vector<ErrorPoint> curve;
+  size_t shortest = trials.front().points.size();
+  for (const Trial& trial : trials) shortest = std::min(shortest, trial.points.size());
+  const auto add = [&](const auto& point_of) {
+    ErrorPoint mean;
+    const double share = 1.0 / static_cast<double>(trials.size());
+    for (const Trial& trial : trials) {
+      const ErrorPoint& point = point_of(trial);
+      mean.seconds += share * point.seconds;
+      mean.cpu_seconds += share * point.cpu_seconds;
+      mean.samples += share * point.samples;
+      mean.relmse += share * point.relmse;
+    }
+    curve.push_back(mean);
+  };
+  for (size_t i = 0; i + 1 < shortest; ++i)
+    add([i](const Trial& trial) -> const ErrorPoint& { return trial.points[i]; });
+  add([](const Trial& trial) -> const ErrorPoint& { return trial.points.back(); });
+  return curve;
+}
+
+// Per value over the trials: the mean, and the mean over values of the variance relative to `scale`.
+struct Spread {
+  image::Image mean;
+  double relative_variance = 0;  // of one trial
+};
+
+Spread spread_of(const std::vector<Trial>& trials, const image::Image* scale) {
+  Spread spread{trials.front().image, 0};
+  const auto count = static_cast<double>(trials.size());
+  double sum = 0;
+  for (size_t i = 0; i < spread.mean.rgb.size(); ++i) {
+    double mean = 0, squares = 0;
+    for (const Trial& trial : trials) mean += trial.image.rgb[i] / count;
+    for (const Trial& trial : trials) {
+      const double difference = trial.image.rgb[i] - mean;
+      squares += difference * difference;
+    }
+    spread.mean.rgb[i] = static_cast<float>(mean);
+    const double reference = scale != nullptr ? scale->rgb[i] : mean;
+    sum += squares / (count - 1) / (reference * reference + image::RELATIVE_EPSILON);
+  }
+  spread.relative_variance = sum / static_cast<double>(spread.mean.rgb.size());
+  return spread;
+}
+
+double mean_of(const image::Image& image) {
+  double sum = 0;
+  for (const float value : image.rgb) sum += value;
+  return sum / static_cast<double>(image.rgb.size());
+}
+
+std::vector<Trial> run_trials(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                              render::RenderSettings settings, const ErrorBudget& budget,
+                              const image::Image* reference) {
+  warm_up(device, scene, bvh, settings);
+  std::vector<Trial> trials;
+  for (uint32_t i = 0; i < budget.seeds; ++i, ++settings.seed)
+    trials.push_back(run_trial(device, scene, bvh, settings, budget, reference));
+  return trials;
+}
+
+}  // namespace
+
+ErrorRun measure_error(gpu::Device& device, const ErrorSubject& subject,
+                       const render::RenderSettings& settings, const ErrorBudget& budget) {
+  std::vector<Trial> trials =
+      run_trials(device, subject.scene, subject.bvh, settings, budget, &subject.reference);
+  const Spread spread = spread_of(trials, &subject.reference);
+  ErrorRun run;
+  run.points = mean_curve(trials);
+  run.relmse = run.points.back().relmse;
+  run.variance = spread.relative_variance;
+  run.squared_bias = image::compare(spread.mean, subject.reference).relmse -
+                     run.variance / static_cast<double>(budget.seeds);
+  run.mean_ratio = mean_of(spread.mean) / mean_of(subject.reference);
+  run.image = std::move(trials.front().image);
+  return run;
+}
+
+Reference make_reference(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                         const render::RenderSettings& settings, const ErrorBudget& budget) {
+  const std::vector<Trial> trials = run_trials(device, scene, bvh, settings, budget, nullptr);
+  Spread spread = spread_of(trials, nullptr);
+  return {std::move(spread.mean), spread.relative_variance / static_cast<double>(budget.seeds)};
+}
+
+}  // namespace regulus::bench

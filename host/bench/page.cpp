@@ -1,0 +1,103 @@
+#include "bench/page.hpp"
+
+#include <cmath>
+#include <string_view>
+
+#include "image/atomic_file.hpp"
+#include "page_html.hpp"
+
+namespace regulus::bench {
+namespace {
+
+/// RFC 4648 base64.
+std::string base64(std::string_view bytes) {
+  constexpr std::string_view DIGITS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (size_t i = 0; i < bytes.size(); i += 3) {
+    uint32_t group = 0;
+    for (size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0u);
+    for (size_t k = 0; k < 4; ++k) text += k <= bytes.size() - i ? DIGITS[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string data_url(std::string_view png) {
+  return "data:image/png;base64," + base64(png);
+}
+
+// JSON has no infinities and no NaN.
+nlohmann::json number(double value) {
+  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json run_json(const ErrorRun& run) {
+  nlohmann::json points = nlohmann::json::array();
+  for (const ErrorPoint& point : run.points)
+    points.push_back({{"seconds", number(point.seconds)},
+                      {"cpu_seconds", number(point.cpu_seconds)},
+                      {"samples", number(point.samples)},
+                      {"relmse", number(point.relmse)}});
+  return {{"name", run.name},
+          {"options", run.options},
+          {"relmse", number(run.relmse)},
+          {"variance", number(run.variance)},
+          {"squared_bias", number(run.squared_bias)},
+          {"mean_ratio", number(run.mean_ratio)},
+          {"points", points}};
+}
+
+nlohmann::json section_json(const Section& section) {
+  nlohmann::json runs = nlohmann::json::array();
+  for (const ErrorRun& run : section.runs) runs.push_back(run_json(run));
+  return {{"title", section.title},
+          {"text", section.text},
+          {"scene", section.scene},
+          {"width", section.reference.width},
+          {"height", section.reference.height},
+          {"reference_relmse", number(section.reference_relmse)},
+          {"runs", runs}};
+}
+
+void add_pictures(nlohmann::json& json, const Section& section) {
+  json["reference_png"] = data_url(encode_png(section.reference, section.exposure_ev, "reference"));
+  for (size_t i = 0; i < section.runs.size(); ++i) {
+    const ErrorRun& run = section.runs[i];
+    json["runs"][i]["png"] = data_url(encode_png(run.image, section.exposure_ev, run.name));
+    json["runs"][i]["heat_png"] = data_url(encode_heat_map(run.image, section.reference, run.name));
+  }
+}
+
+// JSON inside a script element, which "</" would end: "<\/" means the same.
+std::string script_safe(std::string_view text) {
+  std::string safe;
+  for (const char c : text) {
+    if (c == '/' && !safe.empty() && safe.back() == '<') safe += '\\';
+    safe += c;
+  }
+  return safe;
+}
+
+}  // namespace
+
+nlohmann::json report_json(const Report& report) {
+  nlohmann::json sections = nlohmann::json::array();
+  for (const Section& section : report.sections) sections.push_back(section_json(section));
+  return {{"title", report.title},
+          {"device", report.device},
+          {"machine_note", report.machine_note},
+          {"sections", sections}};
+}
+
+void write_page(const std::filesystem::path& file, const Report& report) {
+  nlohmann::json json = report_json(report);
+  for (size_t i = 0; i < report.sections.size(); ++i) add_pictures(json["sections"][i], report.sections[i]);
+  constexpr std::string_view MARK = "\"REPORT\"";
+  std::string page = PAGE_HTML;
+  page.replace(page.find(MARK), MARK.size(),
+               script_safe(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
+  image::write_file_atomically(file, page);
+}
+
+}  // namespace regulus::bench

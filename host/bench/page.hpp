@@ -1,0 +1,35 @@
+// The report of an error benchmark: JSON, and one HTML page that needs nothing beside it.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "bench/error.hpp"
+
+namespace regulus::bench {
+
+/// One comparison: a scene, its reference and what was measured on it.
+struct Section {
+  std::string title;  ///< plain text
+  std::string text;   ///< what it shows, plain text
+  std::string scene;  ///< file
+  image::Image reference;
+  double reference_relmse = 0;  ///< expected error of the reference itself
+  float exposure_ev = 0;        ///< of the pictures
+  std::vector<ErrorRun> runs;
+};
+
+struct Report {
+  std::string title, device, machine_note;
+  std::vector<Section> sections;
+};
+
+/// Everything but the pictures.
+nlohmann::json report_json(const Report& report);
+
+/// Writes the page. @throws regulus::Error (Failed) naming the file
+void write_page(const std::filesystem::path& file, const Report& report);
+
+}  // namespace regulus::bench

@@ -1,0 +1,268 @@
+#include "cli/bench_error.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+#include <memory>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "bench/error.hpp"
+#include "bench/page.hpp"
+#include "bvh/scene_bvh.hpp"
+#include "cli/bench_talk.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/render_options.hpp"
+#include "image/atomic_file.hpp"
+
+namespace regulus::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* REFERENCE_ERROR = "regulus:reference_relmse";
+constexpr const char* DEFAULT_CONFIGS =
+    "pt=-i pt --regularization none;pt regularized=-i pt --regularization roughness;"
+    "bpt=-i bpt --regularization none;bpt regularized=-i bpt --regularization roughness;"
+    "vcm=-i vcm --regularization none;vcm regularized=-i vcm --regularization roughness";
+
+struct BenchErrorOptions {
+  std::vector<std::string> scenes;
+  std::string configs = DEFAULT_CONFIGS;
+  std::string references;  ///< folder; empty: "reference" beside each scene
+  std::string json, html;
+  std::string device;
+  bench::ErrorBudget budget;
+};
+
+struct BenchReferenceOptions {
+  std::string scene, output, size = "256x256", options = "-i vcm --regularization none", device;
+  bench::ErrorBudget budget;
+};
+
+// A scene ready to render.
+struct Loaded {
+  scene::Scene scene;
+  bvh::Bvh bvh;
+};
+
+Loaded load(const std::string& file) {
+  Loaded loaded{scene::load(file, {}), {}};
+  loaded.bvh = bvh::build_for_scene(loaded.scene);
+  return loaded;
+}
+
+std::vector<BenchConfig> parse_configs(const std::string& list) {
+  std::vector<BenchConfig> configs;
+  std::istringstream stream(list);
+  for (std::string entry; std::getline(stream, entry, ';');) {
+    if (entry.empty()) continue;
+    const size_t equals = entry.find('=');
+    configs.push_back(equals == std::string::npos
+                          ? BenchConfig{entry, entry}
+                          : BenchConfig{entry.substr(0, equals), entry.substr(equals + 1)});
+  }
+  if (configs.empty()) throw Error(ExitStatus::BadUsage, "--configs: the list is empty");
+  return configs;
+}
+
+// Reads the options of `render` from a string, as if given on the command line of `command`.
+void parse_render_options(const std::string& text, const std::string& scene_file, CLI::App& command,
+                          RenderOptions& options) {
+  declare_render_options(command, options);
+  std::vector<std::string> words{scene_file};
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) words.push_back(word);
+  std::reverse(words.begin(), words.end());
+  try {
+    command.parse(words);
+  } catch (const CLI::ParseError& error) {
+    throw Error(ExitStatus::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
+  }
+}
+
+struct ResolvedOptions {
+  render::RenderSettings settings;
+  float exposure_ev;
+};
+
+// The same with the scene's own settings behind them.
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
+                                       scene::Scene& scene) {
+  RenderOptions options;
+  CLI::App command;
+  parse_render_options(text, scene.path.string(), command, options);
+  apply_scene_settings(command, scene);
+  options.size = size;
+  return {resolve_settings(options, scene), options.exposure_ev};
+}
+
+fs::path reference_file(const std::string& scene, const std::string& folder) {
+  const fs::path path(scene);
+  return (folder.empty() ? path.parent_path() / "reference" : fs::path(folder)) /
+         path.stem().replace_extension(".exr");
+}
+
+void print_run(const bench::ErrorRun& run) {
+  const bench::ErrorPoint& last = run.points.back();
+  fmt::print("  {:<28} {:>8.1f} {:>8.2f} {:>8.2f} {:>10.3g} {:>10.3g} {:>10.3g} {:>8.4f}\n", run.name,
+             last.samples, last.seconds, last.cpu_seconds, run.relmse, run.variance, run.squared_bias,
+             run.mean_ratio);
+  std::fflush(stdout);
+}
+
+bench::Section measure_section(gpu::Device& device, const BenchComparison& comparison,
+                               const BenchErrorOptions& options) {
+  bench::Section section{comparison.title, comparison.text, comparison.scene, {}, 0, 0, {}};
+  const fs::path file = reference_file(comparison.scene, options.references);
+  image::Attributes attributes;
+  section.reference = image::read_exr(file, &attributes);
+  const std::string& error = attributes[REFERENCE_ERROR];
+  if (std::from_chars(error.data(), error.data() + error.size(), section.reference_relmse).ec != std::errc{})
+    section.reference_relmse = std::numeric_limits<double>::quiet_NaN();
+
+  Loaded loaded = load(comparison.scene);
+  fmt::print("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene,
+             section.reference.width, section.reference.height, section.reference_relmse);
+  fmt::print("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s",
+             "relmse", "variance", "bias^2", "mean");
+  const std::string size = fmt::format("{}x{}", section.reference.width, section.reference.height);
+  for (const BenchConfig& config : comparison.configs) {
+    const ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene);
+    section.exposure_ev = render.exposure_ev;
+    bench::ErrorRun run = bench::measure_error(device, {loaded.scene, loaded.bvh, section.reference},
+                                               render.settings, options.budget);
+    run.name = config.name;
+    run.options = config.options;
+    print_run(run);
+    section.runs.push_back(std::move(run));
+  }
+  return section;
+}
+
+// What can be known to be wrong before anything is rendered.
+void require_valid(const BenchComparison& comparison, const BenchErrorOptions& options) {
+  const fs::path file = reference_file(comparison.scene, options.references);
+  if (!fs::exists(file))
+    throw Error(ExitStatus::BadFile,
+                fmt::format("{}: no such reference; make it with: regulus bench reference {} -o {}",
+                            file.string(), comparison.scene, file.string()));
+  for (const BenchConfig& config : comparison.configs) {
+    RenderOptions ignored;
+    CLI::App command;
+    parse_render_options(config.options, comparison.scene, command, ignored);
+  }
+}
+
+void run_comparisons(const std::string& title, const std::vector<BenchComparison>& comparisons,
+                     BenchErrorOptions& options) {
+  for (const BenchComparison& comparison : comparisons) require_valid(comparison, options);
+  catch_interrupts();
+  options.budget.is_interrupted = is_interrupted;
+  gpu::Device device({.select = options.device, .software_stage_times = false});
+  bench::Report report{title,
+                       fmt::format("{} ({})", device.info().name, device.info().driver),
+                       fmt::format("{} seeds{}; times without compiling kernels.", options.budget.seeds,
+                                   options.budget.samples != 0
+                                       ? fmt::format(", {} samples per pixel", options.budget.samples)
+                                       : fmt::format(", {} {}s of rendering each", options.budget.seconds,
+                                                     options.budget.counts_cpu_time ? "CPU " : "")),
+                       {}};
+  fmt::print("device: {}\n", report.device);
+  for (const BenchComparison& comparison : comparisons) {
+    report.sections.push_back(measure_section(device, comparison, options));
+    // After each scene, so that an interrupted run leaves what it measured.
+    if (!options.json.empty())
+      image::write_file_atomically(options.json, bench::report_json(report).dump(2) + "\n");
+    if (!options.html.empty()) bench::write_page(options.html, report);
+  }
+}
+
+void run_bench_error(BenchErrorOptions& options) {
+  std::vector<BenchComparison> comparisons;
+  for (const std::string& scene : options.scenes)
+    comparisons.push_back({fs::path(scene).stem().string(), "", scene, parse_configs(options.configs)});
+  run_comparisons("Regulus: error against time", comparisons, options);
+}
+
+void run_bench_reference(BenchReferenceOptions& options) {
+  catch_interrupts();
+  options.budget.is_interrupted = is_interrupted;
+  const fs::path file = options.output.empty() ? reference_file(options.scene, "") : fs::path(options.output);
+  std::error_code ignored;
+  if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
+  Loaded loaded = load(options.scene);
+  const ResolvedOptions render = resolve_render_options(options.options, options.size, loaded.scene);
+  gpu::Device device({.select = options.device, .software_stage_times = false});
+  const bench::Reference reference =
+      bench::make_reference(device, loaded.scene, loaded.bvh, render.settings, options.budget);
+  image::write_exr(
+      file, reference.image,
+      {{"regulus:options", options.options}, {REFERENCE_ERROR, fmt::format("{:.6g}", reference.relmse)}});
+  fmt::print("{}: {} independent renders, expected relmse {:.3g}\n", file.string(), options.budget.seeds,
+             reference.relmse);
+}
+
+void declare_budget(CLI::App& command, bench::ErrorBudget& budget) {
+  command.add_option("--time", budget.seconds, "Seconds of rendering for each seed")
+      ->check(CLI::Range(0.01, 1e6))
+      ->capture_default_str();
+  command.add_flag("--cpu-time", budget.counts_cpu_time,
+                   "Count CPU seconds of this process: fair on a busy machine, for software devices");
+  command.add_option("-s,--spp", budget.samples, "Samples per pixel for each seed, instead of a time")
+      ->check(CLI::Range(1u, 1u << 24));
+  command.add_option("--seeds", budget.seeds, "Independent renders")
+      ->check(CLI::Range(2u, 1000u))
+      ->capture_default_str();
+}
+
+void declare_outputs(CLI::App& command, BenchErrorOptions& options) {
+  command.add_option(
+      "--references", options.references,
+      "Folder of the references, NAME.exr for NAME.gltf (default: \"reference\" beside each scene)");
+  command.add_option("--json", options.json, "Write what was measured as JSON");
+  command.add_option("--html", options.html, "Write a page with plots and pictures");
+  command.add_option("--device", options.device, "Index or part of the name of the Vulkan device");
+  declare_budget(command, options.budget);
+}
+
+}  // namespace
+
+void add_bench_error_commands(CLI::App& bench) {
+  CLI::App* error =
+      bench.add_subcommand("error", "Error, bias and variance against time, for several settings");
+  const auto error_options = std::make_shared<BenchErrorOptions>();
+  error->add_option("--scenes", error_options->scenes, "glTF files")->required();
+  error
+      ->add_option("--configs", error_options->configs,
+                   "What to compare: NAME=OPTIONS;NAME=OPTIONS... with options of render")
+      ->capture_default_str();
+  declare_outputs(*error, *error_options);
+  error->callback([error_options] { run_bench_error(*error_options); });
+
+  CLI::App* reference =
+      bench.add_subcommand("reference", "Makes the reference image of a scene, with its own error");
+  const auto reference_options = std::make_shared<BenchReferenceOptions>();
+  reference->add_option("SCENE", reference_options->scene, "glTF file")->required();
+  reference->add_option("-o,--output", reference_options->output,
+                        "EXR to write (default: reference/NAME.exr beside the scene)");
+  reference->add_option("--size", reference_options->size, "WIDTHxHEIGHT")->capture_default_str();
+  reference->add_option("--options", reference_options->options, "Options of render")->capture_default_str();
+  reference->add_option("--device", reference_options->device,
+                        "Index or part of the name of the Vulkan device");
+  declare_budget(*reference, reference_options->budget);
+  reference->callback([reference_options] { run_bench_reference(*reference_options); });
+
+  CLI::App* talk = bench.add_subcommand("talk", "The comparisons of the talk on regularization, as a page");
+  const auto talk_options = std::make_shared<BenchErrorOptions>();
+  const auto folder = std::make_shared<std::string>("scenes");
+  talk->add_option("--folder", *folder, "Folder of the scenes")->capture_default_str();
+  declare_outputs(*talk, *talk_options);
+  talk->callback([talk_options, folder] {
+    run_comparisons("Regulus: microfacet regularization", talk_comparisons(*folder), *talk_options);
+  });
+}
+
+}  // namespace regulus::cli
