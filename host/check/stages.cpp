@@ -207,7 +207,8 @@ class StageChecker {
     state.eta_scale = path.eta_scale;
     state.medium = path.medium;
     dvec2 barycentrics(hit.u, hit.v);
-    if (is_moved) barycentrics += 2 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
+    // Texture coordinates are rounded twice more, interpolated and scaled to texels.
+    if (is_moved) barycentrics += 4 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
     dvec4 u = random_block(
         subject_.reference_settings, path.pixel, path.sample_index,
         is_camera_ ? DIMENSION_BLOCKS_FIRST + index * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF

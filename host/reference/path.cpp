@@ -17,7 +17,7 @@ double normal_correction(const Surface& surface, const dvec3& w) {
 
 /// (n_camera / n_light)^2 of a refraction: n is the index on the side of each direction.
 double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3& w_camera) {
-  const double eta = bsdf.relative_index(to_material(surface, w_camera));
+  const double eta = bsdf.relative_index(to_material(surface, as_seen(surface, w_camera)));
   return 1 / (eta * eta);
 }
 
@@ -61,12 +61,19 @@ bool sides_agree(const Surface& surface, const dvec3& w) {
   return dot(w, surface.geometric_normal) * dot(w, surface.shading_normal) > 0;
 }
 
+dvec3 as_seen(const Surface& surface, const dvec3& w) {
+  if (sides_agree(surface, w)) return w;
+  const dvec3 line = cross(surface.shading_normal, surface.geometric_normal);
+  const double squared = dot(line, line);
+  return squared > 0 ? 2 * dot(w, line) / squared * line - w : -w;
+}
+
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
                                     const dvec3& w_camera) {
   VertexScattering result;
-  if (!sides_agree(surface, w_light) || !sides_agree(surface, w_camera)) return result;
+  if (!sides_agree(surface, w_light)) return result;
   const dvec3 local_light = to_material(surface, w_light);
-  const dvec3 local_camera = to_material(surface, w_camera);
+  const dvec3 local_camera = to_material(surface, as_seen(surface, w_camera));
   result.value =
       bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
   result.forward = bsdf.pdf(local_light, local_camera);

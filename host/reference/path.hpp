@@ -86,7 +86,13 @@ LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3
 /// Direction w in the frame of Bsdf: z along the shading normal of the front side.
 glm::dvec3 to_material(const Surface& surface, const glm::dvec3& w);
 
-/// True if both normals see w on the same side.
+/// True if both normals see w on the same side. Where they do not, a surface scatters nothing that comes from
+/// w.
 bool sides_agree(const Surface& surface, const glm::dvec3& w);
+
+/// The direction as which a surface's bsdf sees w, a direction towards the camera: w, or if the normals
+/// disagree about it, w after a half-turn about the line in which their planes meet, about which they agree.
+/// Its own inverse; keeps solid angles and absolute cosines with both normals.
+glm::dvec3 as_seen(const Surface& surface, const glm::dvec3& w);
 
 }  // namespace regulus::reference

@@ -28,14 +28,17 @@ dvec3 mirror_if(bool is_back, const dvec3& w) {
 /// which w_back is. Returns the sample with its wi in world space; invalid where the normals disagree.
 BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportMode transport) {
   const Surface& surface = vertex.surface;
-  if (!sides_agree(surface, vertex.w_back)) return {};
+  const bool is_from_camera = transport == TransportMode::Radiance;
+  if (!is_from_camera && !sides_agree(surface, vertex.w_back)) return {};
+  const dvec3 w_back = is_from_camera ? as_seen(surface, vertex.w_back) : vertex.w_back;
   const bool is_back = dot(vertex.w_back, surface.geometric_normal) < 0;
   const Basis basis(is_back ? -surface.shading_normal : surface.shading_normal);
-  const dvec3 wo = mirror_if(is_back, basis.to_local(vertex.w_back));
+  const dvec3 wo = mirror_if(is_back, basis.to_local(w_back));
   BsdfSample sample = vertex.bsdf.sample(wo, u.x, {u.y, u.z}, transport);
   if (!sample.is_valid) return {};
   sample.wi = normalize(basis.to_world(mirror_if(is_back, sample.wi)));
-  if (!sides_agree(surface, sample.wi)) return {};
+  if (!is_from_camera) sample.wi = as_seen(surface, sample.wi);
+  if (is_from_camera && !sides_agree(surface, sample.wi)) return {};
   return sample;
 }
 
@@ -102,7 +105,8 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
                          const dvec4& u) {
   const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
     if (step.is_transmitted && vertex.bsdf.parameters().is_volume) {
-      const double eta = vertex.bsdf.relative_index(to_material(vertex.surface, vertex.w_back));
+      const double eta =
+          vertex.bsdf.relative_index(to_material(vertex.surface, as_seen(vertex.surface, vertex.w_back)));
       state.eta_scale *= eta * eta;
     }
     return bounce < ROULETTE_FIRST_BOUNCE

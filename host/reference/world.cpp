@@ -20,6 +20,9 @@ constexpr double MIN_ALPHA = 1e-7;
 // same place to be passed over like the first, too little for anything else to fit in between.
 constexpr double SEGMENT_START = 1e-10;
 
+// Least cosine of a mapped normal with the geometric one: part of the model.
+constexpr double MIN_MAPPED_COS = 0.01;
+
 }  // namespace
 
 World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing)
@@ -64,9 +67,29 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.light = triangle.light;
   if (!has_smooth_normals_) return surface;
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
-  if (dot(sum, sum) <= 1e-12) return surface;  // normals that cancel say nothing
-  surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
+  if (dot(sum, sum) > 1e-12)  // normals that cancel say nothing
+    surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
+  if (scene_.materials[triangle.material].normal_texture != INVALID_INDEX)
+    surface.shading_normal = mapped_normal(surface, triangle, b, sum);
   return surface;
+}
+
+dvec3 World::mapped_normal(const Surface& surface, const Triangle& triangle, const dvec3& b,
+                           const dvec3& normal) const {
+  const Material& material = scene_.materials[triangle.material];
+  const auto& tangents = scene_.vertex_tangents;
+  const dvec3 tangent = b.x * dvec3(tangents[triangle.v0]) + b.y * dvec3(tangents[triangle.v1]) +
+                        b.z * dvec3(tangents[triangle.v2]);
+  const dvec3 bitangent = static_cast<double>(tangents[triangle.v0].w) * cross(normal, tangent);
+  const dvec3 texel(texture_at(material.normal_texture, surface.uv));
+  const dvec3 scale(material.normal_scale, material.normal_scale, 1);
+  const dvec3 map = (2.0 * texel - 1.0) * scale;
+  dvec3 mapped = map.x * tangent + map.y * bitangent + map.z * normal;
+  if (dot(normal, surface.geometric_normal) < 0) mapped = -mapped;
+  if (!(dot(mapped, mapped) > 1e-12)) return surface.shading_normal;
+  mapped = normalize(mapped);
+  const double missing = MIN_MAPPED_COS - dot(mapped, surface.geometric_normal);
+  return missing > 0 ? normalize(mapped + missing * surface.geometric_normal) : mapped;
 }
 
 glm::dvec4 World::texture_at(uint32_t index, const dvec2& uv) const {

@@ -66,6 +66,9 @@ class World {
                   uint32_t target = interface::INVALID_INDEX) const;
 
  private:
+  /// Front shading normal by the material's normal map; `normal` is the vertices' sum.
+  glm::dvec3 mapped_normal(const Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b,
+                           const glm::dvec3& normal) const;
   glm::dvec4 texture_at(uint32_t index, const glm::dvec2& uv) const;
 
   const scene::Scene& scene_;

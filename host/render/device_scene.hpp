@@ -17,8 +17,8 @@ class DeviceScene {
   void fill(interface::Frame& frame) const;
 
  private:
-  gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, triangles_, materials_, textures_,
-      texels_, lights_, light_aliases_;
+  gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_tangents_, triangles_, materials_,
+      textures_, texels_, lights_, light_aliases_;
   uint32_t light_count_;
   glm::vec3 center_;
   float radius_;

@@ -46,6 +46,8 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
   for (const uint32_t texture : {material.base_color_texture, material.metallic_roughness_texture,
                                  material.emissive_texture, material.transmission_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
+  if (material.normal_texture != INVALID_INDEX)
+    bits |= interface::FEATURE_NORMAL_MAPS | interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_TEXTURES;
   const bool is_volume = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
                          (material.flags & interface::MATERIAL_VOLUME) != 0;
   if (is_volume && material.absorption != glm::vec3(0)) bits |= interface::FEATURE_ABSORPTION;
@@ -94,7 +96,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_MANY_LIGHTS, "many_lights", "the choice among lights"},
       FeatureDescription{FEATURE_SMOOTH_NORMALS, "smooth_normals", "interpolation of vertex normals"},
       FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"},
-      FeatureDescription{FEATURE_VERTEX_COLORS, "vertex_colors", "colours of vertices"}};
+      FeatureDescription{FEATURE_VERTEX_COLORS, "vertex_colors", "colours of vertices"},
+      FeatureDescription{FEATURE_NORMAL_MAPS, "normal_maps", "tangents and normal maps"}};
   return DESCRIPTIONS;
 }
 

@@ -10,6 +10,8 @@
 
 #include "scene/accessor.hpp"
 #include "scene/instancing.hpp"
+#include "scene/material.hpp"
+#include "scene/tangents.hpp"
 #include "scene/uv_mapping.hpp"
 
 namespace regulus::scene {
@@ -33,6 +35,7 @@ struct Tally {
   uint64_t bad_normals = 0;
   uint64_t bad_uvs = 0;
   uint64_t bad_colors = 0;
+  uint64_t bad_tangents = 0;
 };
 
 const tinygltf::Primitive& primitive_of(const Document& document, const Instance& instance) {
@@ -129,6 +132,15 @@ UvMapping mapping_of(Document& document, const Instance& instance) {
   return uv_mapping(document, source, element_name("material", index, source.name));
 }
 
+/// TANGENT, if the material needs it; without normals the specification says to ignore it.
+std::optional<AccessorReader> tangent_attribute(const Document& document, const Instance& instance) {
+  const int material = primitive_of(document, instance).material;
+  if (material < 0 || !needs_tangents(document.model.materials[static_cast<size_t>(material)]) ||
+      primitive_of(document, instance).attributes.count("NORMAL") == 0)
+    return std::nullopt;
+  return attribute(document, instance, "TANGENT", TINYGLTF_TYPE_VEC4);
+}
+
 /// Flattens one primitive.
 class PrimitiveBuilder {
  public:
@@ -143,6 +155,7 @@ class PrimitiveBuilder {
         uvs_(attribute(document, instance, fmt::format("TEXCOORD_{}", uv_mapping_.set).c_str(),
                        TINYGLTF_TYPE_VEC2)),
         colors_(color_attribute(document, instance)),
+        tangents_(tangent_attribute(document, instance)),
         triangles_(document, instance, positions_.count()) {
     const glm::dmat3 linear(instance.to_world);
     const double determinant = glm::determinant(linear);
@@ -152,6 +165,9 @@ class PrimitiveBuilder {
                               glm::cross(linear[0], linear[1]));
     normal_to_world_ = is_mirrored_ ? -cofactor : cofactor;
     const int material = primitive_of(document, instance).material;
+    linear_ = linear;
+    needs_tangents_ =
+        material >= 0 && needs_tangents(document.model.materials[static_cast<size_t>(material)]);
     material_ = material >= 0 ? static_cast<uint32_t>(material)
                               : static_cast<uint32_t>(document.model.materials.size());
   }
@@ -160,18 +176,22 @@ class PrimitiveBuilder {
     require_same_count(normals_);
     require_same_count(uvs_);
     require_same_count(colors_);
+    require_same_count(tangents_);
     if (!uvs_ && uv_mapping_.set != 0)
       document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
                                  instance_name(document_, instance_), uv_mapping_.set));
     if (triangles_.leftover() != 0)
       document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
                                  instance_name(document_, instance_), triangles_.leftover()));
+    const size_t first_vertex = scene_.vertices.size();
+    const size_t first_triangle = scene_.triangles.size();
     if (normals_) {
       add_shared_vertices();
       add_smooth_triangles();
     } else {
       add_flat_triangles();
     }
+    if (needs_tangents_ && !tangents_) add_tangents(scene_, first_vertex, first_triangle);
   }
 
  private:
@@ -214,9 +234,25 @@ class PrimitiveBuilder {
   /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
   void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
     scene_.vertices.push_back({world_position, world_normal, uv(source)});
-    if (!colors_) return;
-    scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
-    scene_.vertex_colors.push_back(color(source));
+    if (colors_) {
+      scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
+      scene_.vertex_colors.push_back(color(source));
+    }
+    if (tangents_) {
+      scene_.vertex_tangents.resize(scene_.vertices.size() - 1, glm::vec4(1, 0, 0, 1));
+      scene_.vertex_tangents.push_back(tangent(source, world_normal));
+    }
+  }
+
+  /// World-space tangent; a mirroring transform turns the bitangent.
+  glm::vec4 tangent(uint64_t i, const glm::vec3& world_normal) {
+    const glm::vec4 local = tangents_->vec4_at(i);
+    const glm::dvec3 world = linear_ * glm::dvec3(local);
+    const double length = glm::length(world);
+    const float sign = (local.w < 0) != is_mirrored_ ? -1.0f : 1.0f;
+    if (length > 0 && std::isfinite(length)) return {glm::vec3(world / length), sign};
+    ++tally_.bad_tangents;
+    return any_tangent(world_normal);
   }
 
   /// World-space unit normal; zero where the file's normal gives no direction.
@@ -290,8 +326,11 @@ class PrimitiveBuilder {
   UvMapping uv_mapping_;
   std::optional<AccessorReader> uvs_;
   std::optional<AccessorReader> colors_;
+  std::optional<AccessorReader> tangents_;
   TriangleList triangles_;
   bool is_mirrored_ = false;
+  bool needs_tangents_ = false;
+  glm::dmat3 linear_{1.0};
   glm::dmat3 normal_to_world_{1.0};
   uint32_t material_ = 0;
   uint32_t first_vertex_ = 0;
@@ -362,6 +401,8 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scen
   Tally tally;
   for (const Instance& instance : instances) PrimitiveBuilder(document, instance, scene, tally).build();
   complete_colors(scene);
+  if (!scene.vertex_tangents.empty())
+    scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
   if (tally.without_area != 0)
     document.warn(
         fmt::format("{} of {} triangles have no area and were dropped", tally.without_area, tally.triangles));
@@ -370,6 +411,8 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scen
         fmt::format("{} vertex normals have no direction; geometric normals are used", tally.bad_normals));
   if (tally.bad_uvs != 0)
     document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
+  if (tally.bad_tangents != 0)
+    document.warn(fmt::format("{} tangents have no direction; others are used", tally.bad_tangents));
   if (tally.bad_colors != 0)
     document.warn(fmt::format("{} vertex colours are not numbers; white is used", tally.bad_colors));
 }

@@ -40,6 +40,8 @@ class MaterialBuilder {
     material.metallic_roughness_texture = INVALID_INDEX;
     material.emissive_texture = INVALID_INDEX;
     material.transmission_texture = INVALID_INDEX;
+    material.normal_texture = INVALID_INDEX;
+    material.normal_scale = in_range(source_.normalTexture.scale, -FLT_MAX, FLT_MAX, "normalTexture scale");
     if (source_.doubleSided) material.flags |= interface::MATERIAL_DOUBLE_SIDED;
     set_dielectric(material);
     set_transmission(material);
@@ -164,6 +166,7 @@ class TextureSlots {
     }
     material.base_color_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
     material.metallic_roughness_texture = load(pbr.metallicRoughnessTexture.index, TextureContent::Data);
+    material.normal_texture = load(source_.normalTexture.index, TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
       material.emissive_texture = load(source_.emissiveTexture.index, TextureContent::Color);
     const auto transmission = source_.extensions.find("KHR_materials_transmission");
@@ -183,15 +186,11 @@ class TextureSlots {
   const tinygltf::Material& source_;
 };
 
-/// Textures that change the look but are not read, from the file as written.
-void warn_of_normal_maps(Document& document, const std::vector<bool>& is_used) {
-  const auto materials = document.json.find("materials");
-  if (materials == document.json.end()) return;
-  for (size_t i = 0; i < materials->size(); ++i)
-    if (is_used[i] && (*materials)[i].contains("normalTexture")) document.warn("normal maps are not read");
-}
-
 }  // namespace
+
+bool needs_tangents(const tinygltf::Material& material) {
+  return !is_unlit(material) && material.normalTexture.index >= 0;
+}
 
 void add_materials(Document& document, Scene& scene) {
   const auto& sources = document.model.materials;
@@ -212,7 +211,6 @@ void add_materials(Document& document, Scene& scene) {
     scene.materials.push_back(MaterialBuilder(document, standard, "default material").build());
     scene.material_names.emplace_back();
   }
-  warn_of_normal_maps(document, is_used);
 }
 
 }  // namespace regulus::scene

@@ -42,6 +42,7 @@ struct Scene {
   std::filesystem::path path;
   std::vector<interface::Vertex> vertices;
   std::vector<glm::vec4> vertex_colors;        ///< one per vertex, linear RGBA in [0, 1]; empty: all white
+  std::vector<glm::vec4> vertex_tangents;      ///< one per vertex, see Frame; empty: no material needs them
   std::vector<interface::Triangle> triangles;  ///< `light` is filled by build_lights
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;

@@ -121,6 +121,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"baseColorTexture", {Kind::Object}},
       {"metallicRoughnessTexture", {Kind::Object}},
       {"emissiveTexture", {Kind::Object}},
+      {"normalTexture", {Kind::Object}},
       {"transmissionTexture", {Kind::Object}},
       {"perspective", {Kind::Object}},
       {"orthographic", {Kind::Object}},
@@ -141,13 +142,15 @@ const std::map<std::string_view, Rule>& rules() {
   return table;
 }
 
-/// Members that mean something else inside an extension: rules by extension and member, tried first.
+/// Members that mean something else inside an extension or a normal texture: rules by that name and member,
+/// tried first.
 const std::map<std::pair<std::string_view, std::string_view>, Rule>& extension_rules() {
   static const std::map<std::pair<std::string_view, std::string_view>, Rule> table = {
       {{"EXT_meshopt_compression", "mode"}, {Kind::String}},
       {{"EXT_meshopt_compression", "filter"}, {Kind::String}},
       {{"EXT_meshopt_compression", "fallback"}, {Kind::Boolean}},
       {{"KHR_draco_mesh_compression", "attributes"}, {Kind::IntegerMap}},
+      {{"normalTexture", "scale"}, {Kind::Number}},
       {{"KHR_texture_transform", "offset"}, {Kind::Vector, {}, 2}},
       {{"KHR_texture_transform", "scale"}, {Kind::Vector, {}, 2}},
       {{"KHR_texture_transform", "rotation"}, {Kind::Number}},
@@ -163,8 +166,8 @@ const Rule* find_rule(std::string_view extension, std::string_view member) {
 }
 
 // Parts of a document that are never read: removed, so that neither we nor tinygltf look at them.
-constexpr std::array<std::string_view, 8> IGNORED_MEMBERS = {
-    "extras", "animations", "skins", "skin", "targets", "weights", "normalTexture", "occlusionTexture"};
+constexpr std::array<std::string_view, 7> IGNORED_MEMBERS = {
+    "extras", "animations", "skins", "skin", "targets", "weights", "occlusionTexture"};
 
 class Checker {
  public:
@@ -180,7 +183,7 @@ class Checker {
     }
   }
 
-  /// @param extension the extension whose members these are, or empty.
+  /// @param extension the extension (or "normalTexture") whose members these are, or empty.
   void check_object(json& object, const std::string& path, std::string_view extension = {}) {
     for (const std::string_view name : IGNORED_MEMBERS) object.erase(std::string(name));
     for (auto member = object.begin(); member != object.end(); ++member) {
@@ -246,7 +249,8 @@ class Checker {
         return;
       case Kind::Object:
         if (!value.is_object()) refuse(path, "an object");
-        return key == "extensions" ? check_extensions(value, path) : check_object(value, path);
+        if (key == "extensions") return check_extensions(value, path);
+        return check_object(value, path, key == "normalTexture" ? std::string_view(key) : std::string_view());
       case Kind::ObjectArray:
         return check_objects(value, path);
     }

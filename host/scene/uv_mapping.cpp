@@ -30,7 +30,8 @@ UvMapping mapping_of(int set, const Value* transform) {
 }
 
 /// A texture of the core material.
-void add(std::vector<UvMapping>& mappings, const tinygltf::TextureInfo& info) {
+template <typename TextureInfo>
+void add(std::vector<UvMapping>& mappings, const TextureInfo& info) {
   if (info.index < 0) return;
   const auto transform = info.extensions.find(EXTENSION);
   mappings.push_back(
@@ -38,7 +39,7 @@ void add(std::vector<UvMapping>& mappings, const tinygltf::TextureInfo& info) {
 }
 
 /// A texture of a material extension.
-void add(std::vector<UvMapping>& mappings, const Value& info) {
+void add_extended(std::vector<UvMapping>& mappings, const Value& info) {
   if (!info.Has("index")) return;
   const Value* transform = nullptr;
   if (info.Has("extensions") && info.Get("extensions").Has(EXTENSION))
@@ -62,9 +63,10 @@ UvMapping uv_mapping(Document& document, const tinygltf::Material& material, con
     return mappings.empty() ? UvMapping{} : mappings.front();
   add(mappings, material.pbrMetallicRoughness.metallicRoughnessTexture);
   add(mappings, material.emissiveTexture);
+  add(mappings, material.normalTexture);
   const auto transmission = material.extensions.find("KHR_materials_transmission");
   if (transmission != material.extensions.end() && transmission->second.Has("transmissionTexture"))
-    add(mappings, transmission->second.Get("transmissionTexture"));
+    add_extended(mappings, transmission->second.Get("transmissionTexture"));
   if (mappings.empty()) return {};
   for (const UvMapping& mapping : mappings)
     if (mapping != mappings.front())

@@ -58,9 +58,10 @@ struct Material {
   uint metallic_roughness_texture;  // G: roughness, B: metallic
   uint emissive_texture;
   uint transmission_texture;        // R
-  uint reserved;
+  uint normal_texture;              // RGB: 2 texel - 1 along tangent, bitangent and normal
+  float normal_scale;               // of the first two
 };
-REGULUS_LAYOUT(Material, 96);
+REGULUS_LAYOUT(Material, 100);
 
 // Wrap modes (glTF sampler) and filters, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

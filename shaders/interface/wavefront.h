@@ -60,6 +60,7 @@ REGULUS_CONSTANT FEATURE_MANY_LIGHTS = 128u;       // more than one light: the a
 REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals differ from its geometric normal
 REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
 REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
+REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -191,6 +192,7 @@ struct Frame {
   DeviceAddress bvh_triangles;
   DeviceAddress vertices;
   DeviceAddress vertex_colors;   // vec4 per vertex, linear RGBA; only with FEATURE_VERTEX_COLORS
+  DeviceAddress vertex_tangents; // vec4 per vertex: unit tangent, sign of the bitangent; only if a material needs them
   DeviceAddress triangles;
   DeviceAddress materials;
   DeviceAddress textures;
@@ -241,7 +243,7 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
 };
-REGULUS_LAYOUT(Frame, 400);
+REGULUS_LAYOUT(Frame, 408);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -50,8 +50,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
-  vec3 wi = to_local(point, lens.wi);
-  if (!lens.is_visible || is_off_film(frame, lens.film) || !sides_agree(point, lens.wi, wi)) return;
+  vec3 wi = to_local_seen(point, lens.wi);
+  if (!lens.is_visible || is_off_film(frame, lens.film)) return;
   BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, UNREGULARIZED);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
   float weight = mis_weight_splat(counts, vertex, bsdf.pdf_reverse, area_pdf);
@@ -73,8 +73,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
-  vec3 direction = to_world(point, next.wi);
-  if (!sides_agree(point, direction, next.wi)) return;
+  vec3 direction = to_world_seen(point, next.wi);
   float cos_out = dot(direction, point.geometric_normal);
   float correction = shading_correction(point, -path.direction, point.wo.z);
   if ((spec_features & FEATURE_SMOOTH_NORMALS) != 0u) correction *= abs(cos_out) / max(abs(next.wi.z), 1e-7);

@@ -5,6 +5,7 @@
 
 #include "lib/bsdf.glsl"
 #include "lib/light.glsl"
+#include "lib/normal_map.glsl"
 #include "lib/stage.glsl"
 
 // A path vertex. Local frame: z is the shading normal on the side that wo is on.
@@ -25,16 +26,53 @@ vec3 to_world(ShadingPoint point, vec3 w) {
   return w.x * point.tangent + w.y * point.bitangent + w.z * point.normal;
 }
 
-ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo) {
+// True if the geometric and the shading normal agree on which side of the surface w is (w_local: the same in the
+// local frame).
+bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
+  return dot(w, point.geometric_normal) * w_local.z > 0.0;
+}
+
+// Where the normals disagree about a direction w:
+// - towards the light: the bsdf is zero, for walks and connections alike. This is the shadow of the relief.
+// - towards the camera: the bsdf sees w after a half-turn about the line in which the two tangent planes meet. That
+//   exchanges the directions between the planes, keeps solid angles and the absolute cosine with either normal, and is
+//   its own inverse: every direction on the camera's side of the surface has a partner on the bsdf's side, nothing is
+//   black for being seen at a slant, and pdfs stay densities.
+// Both are functions of the path, whichever way it is walked.
+vec3 half_turned(ShadingPoint point, vec3 w_local) {
+  vec2 axis = vec2(-dot(point.geometric_normal, point.bitangent), dot(point.geometric_normal, point.tangent));
+  float squared = dot(axis, axis);
+  axis = squared > 1e-12 ? axis * inversesqrt(squared) : vec2(1.0, 0.0);
+  return vec3(2.0 * dot(w_local.xy, axis) * axis - w_local.xy, -w_local.z);
+}
+
+// A direction towards the camera, as the bsdf sees it.
+vec3 to_local_seen(ShadingPoint point, vec3 w) {
+  vec3 local = to_local(point, w);
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u || sides_agree(point, w, local)) return local;
+  return half_turned(point, local);
+}
+
+// The direction towards the camera that the bsdf sees as w_local.
+vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
+  vec3 w = to_world(point, w_local);
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u || sides_agree(point, w, w_local)) return w;
+  return to_world(point, half_turned(point, w_local));
+}
+
+// wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE.
+ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport) {
   ShadingPoint point;
   point.surface = surface_at(frame, triangle, barycentrics);
   point.is_front = dot(wo, point.surface.geometric_normal) > 0.0;
   float side = point.is_front ? 1.0 : -1.0;
   point.geometric_normal = side * point.surface.geometric_normal;
+  point.material = LOAD(MaterialBuffer, frame.materials, point.surface.material);
+  if ((spec_features & FEATURE_NORMAL_MAPS) != 0u && point.material.normal_texture != INVALID_INDEX)
+    point.surface.shading_normal = mapped_normal(frame, triangle, barycentrics, point.surface, point.material);
   point.normal = side * point.surface.shading_normal;
   orthonormal_basis(point.normal, point.tangent, point.bitangent);
-  point.wo = to_local(point, wo);
-  point.material = LOAD(MaterialBuffer, frame.materials, point.surface.material);
+  point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
   apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
   return point;
@@ -43,12 +81,6 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
 // Shadow segments end this much before their target: the traversal's t of the light's own triangle errs by a
 // few roundings of the distance.
 const float SEGMENT_SCALE = 1.0 - 16.0 * FLOAT_EPSILON;
-
-// True if the geometric and the shading normal agree on which side of the surface w is. Where they do not,
-// the bsdf is zero, for walks and connections alike (math.md section 9).
-bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
-  return dot(w, point.geometric_normal) * w_local.z > 0.0;
-}
 
 // Medium on the side of the surface that w leaves to, for a path that arrived through `medium`.
 uint medium_towards(ShadingPoint point, uint medium, float w_local_z) {

@@ -15,7 +15,7 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
 
-  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction);
+  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE);
   path.throughput *= transmittance(frame, path.medium, hit.t);
   mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal),
              path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);

@@ -27,10 +27,10 @@ void main() {
   if (!(squared > 0.0)) return;
   float distance = sqrt(squared);
   vec3 direction = to_light / distance;
-  ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction);
-  ShadingPoint light_point = shading_point(frame, light.triangle, light.barycentrics, light.direction);
-  vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local(light_point, -direction);
-  if (!sides_agree(camera_point, direction, camera_wi) || !sides_agree(light_point, -direction, light_wi)) return;
+  ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
+  ShadingPoint light_point = shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE);
+  vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local_seen(light_point, -direction);
+  if (!sides_agree(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);

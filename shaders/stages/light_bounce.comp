@@ -12,7 +12,7 @@ void main() {
   uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
-  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction);
+  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE);
   if (point.wo.z <= 0.0) return;
   path.throughput *= transmittance(frame, path.medium, hit.t);
   bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;

@@ -59,7 +59,7 @@ void main() {
   uint skipped = stage.round * MERGE_ROUND_LENGTH;
   if (near.total <= skipped) return;
 
-  ShadingPoint point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction);
+  ShadingPoint point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges & PATH_VERTEX_EDGES);
   uint range = 0u, place = skipped;

@@ -130,6 +130,27 @@ TEST_F(LightSubpaths, AgreeOnDirectionalLights) {
   expect_sets_agree("directional light", scene, COMPLETE_SETS, TECHNIQUE_NEE);
 }
 
+// Relief on a floor and on a glossy box: shading normals far from the geometric ones, so that many directions
+// lie on different sides of the two.
+TEST_F(LightSubpaths, AgreeOnNormalMaps) {
+  GltfScene scene = room(WHITE, plastic({0.2, 0.5, 0.3}, 0.6), WHITE);
+  const auto uvs_of = [](const Polygons& polygons) {
+    std::vector<glm::vec2> uvs;
+    for (const Polygon& polygon : polygons)
+      for (const glm::dvec3& p : polygon) uvs.emplace_back(2 * p.x + 0.5 * p.y, 2 * p.z - p.y);
+    return uvs;
+  };
+  const Polygons floor = {quad({-0.95, -0.95, -0.95}, {0, 0, 1.9}, {1.9, 0, 0})};
+  Corners corners;
+  corners.uvs = uvs_of(floor);
+  scene.add(floor, bumpy(scene, lambert({0.7, 0.7, 0.7})), glm::dmat4(1), corners);
+  const Polygons block = box({-0.1, -0.8, 0.1}, {0.3, -0.5, 0.4});
+  corners.uvs = uvs_of(block);
+  scene.add(block, bumpy(scene, metal({0.9, 0.7, 0.4}, 0.6)), glm::dmat4(1), corners);
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  expect_sets_agree("normal maps", scene, {{"bpt", BPT}, {"vcm", VCM}, {"lt", TECHNIQUE_SPLAT}});
+}
+
 // The film's border and a camera without perspective: splats through the wide filter reach pixels from film
 // points outside the film, and the density of film points is that of parallel rays.
 TEST_F(LightSubpaths, SplatsPassThroughTheSameFilterOnAnOrthographicFilm) {

@@ -1,9 +1,9 @@
-// What surfaces may carry beside factors: vertex colours. Against closed forms, on the device and in the
-// scalar reference, which reads the same arrays but shares no code with the kernels.
+// What surfaces may carry beside factors: vertex colours, normal maps. Against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <functional>
+#include <glm/gtc/packing.hpp>
 #include <numbers>
 
 #include "images/support/comparison.hpp"
@@ -86,6 +86,83 @@ TEST_F(Surfaces, VertexColoursScaleWhatIsUnlit) {
   expect_image("unlit vertex colours", scene, [](const dvec2& p) {
     return dvec3(0.5, 0.8, 0.6) * dvec3(0.5 + 0.5 * p.x, 0.5 + 0.5 * p.y, 0.5);
   });
+}
+
+/// A material with a normal map of a single colour, and the normal that it gives in the tangent frame.
+struct NormalMapped {
+  dvec3 codes;
+  double scale;
+
+  json material(GltfScene& scene, const dvec3& albedo) const {
+    json result = lambert(albedo);
+    const std::vector<uint8_t> rgba = {static_cast<uint8_t>(codes.x), static_cast<uint8_t>(codes.y),
+                                       static_cast<uint8_t>(codes.z), 255};
+    result["normalTexture"] = {{"index", scene.add_texture(1, rgba)}, {"scale", scale}};
+    return result;
+  }
+  dvec3 normal() const {
+    dvec3 n;
+    for (int i = 0; i < 3; ++i) {
+      const float stored = glm::unpackHalf1x16(glm::packHalf1x16(static_cast<float>(codes[i] / 255)));
+      n[i] = (2.0 * stored - 1) * (i < 2 ? scale : 1);
+    }
+    return glm::normalize(n);
+  }
+};
+
+// The frame of the image: u along `u`, up in the image along `up`.
+std::vector<glm::vec2> uvs_along(const dvec3& u, const dvec3& up) {
+  std::vector<glm::vec2> uvs;
+  for (const dvec3& p : SQUARE) uvs.emplace_back(dot(p, u), -dot(p, up));
+  return uvs;
+}
+
+// A Lambert plane under a directional light reflects as its mapped normal is turned, in every layout of the
+// image; and the tangents of the file count, if it has some.
+TEST_F(Surfaces, NormalMapsTurnTheNormal) {
+  const NormalMapped map{{204, 90, 220}, 0.7};
+  const dvec3 towards_light = glm::normalize(dvec3(0.5, -0.2, 0.8));
+  const auto expect_normal = [&](const char* what, const Corners& corners, const dvec3& tangent,
+                                 const dvec3& up) {
+    GltfScene scene = above_square();
+    scene.add({SQUARE}, map.material(scene, {0.5, 0.8, 0.6}), glm::dmat4(1), corners);
+    scene.add_directional_light(-towards_light, 2);
+    const dvec3 m = map.normal();
+    const double cosine = dot(m.x * tangent + m.y * up + dvec3(0, 0, m.z), towards_light);
+    expect_image(what, scene, [&](const dvec2&) { return dvec3(0.5, 0.8, 0.6) * (2 * cosine / pi); });
+  };
+  const dvec3 x(1, 0, 0), y(0, 1, 0);
+  Corners corners;
+  corners.uvs = uvs_along(x, y);
+  expect_normal("u along x", corners, x, y);
+  corners.uvs = uvs_along(-y, x);
+  expect_normal("u along -y", corners, -y, x);
+  corners.uvs = uvs_along(-x, y);
+  expect_normal("mirrored", corners, -x, y);
+  corners.normals.assign(4, {0, 0, 1});
+  corners.tangents.assign(4, {0.6f, 0.8f, 0, -1});
+  expect_normal("tangents of the file", corners, {0.6, 0.8, 0}, {0.8, -0.6, 0});
+}
+
+// Seen at a slant from behind the mapped normal the surface is as bright as from elsewhere; lit from behind
+// it is black.
+TEST_F(Surfaces, MappedNormalsAreNotBlackForBeingSeenAtASlant) {
+  const NormalMapped map{{230, 128, 200}, 1};
+  const dvec3 m = map.normal();
+  const auto image = [&](double eye_side, double light_side) {
+    GltfScene scene;
+    Corners corners;
+    corners.uvs = uvs_along({1, 0, 0}, {0, 1, 0});
+    scene.add({SQUARE}, map.material(scene, {0.5, 0.5, 0.5}), glm::dmat4(1), corners);
+    scene.add_directional_light(glm::dvec3(-light_side, 0, -0.2), 2);
+    scene.set_orthographic(look_at({eye_side, 0, 0.2}, {0, 0, 0}, {0, 0, 1}), 0.1, 0.01);
+    return mean_of(render(prepare(scene), point_sampled(8, 8, 2)).image)[0];
+  };
+  ASSERT_LT(dot(m, dvec3(-1, 0, 0.2)), 0);
+  const double lit = 0.5 / pi * 2 * dot(m, glm::normalize(dvec3(1, 0, 0.2)));
+  EXPECT_NEAR(image(1, 1), lit, ROUNDING * lit);
+  EXPECT_NEAR(image(-1, 1), lit, ROUNDING * lit);
+  EXPECT_EQ(image(1, -1), 0);
 }
 
 }  // namespace

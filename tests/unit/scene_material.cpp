@@ -155,7 +155,6 @@ TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
   file.root["extensionsUsed"] = {"KHR_materials_sheen"};
   const Scene scene = file.load();
   EXPECT_TRUE(has_warning(scene, "alphaMode MASK"));
-  EXPECT_TRUE(has_warning(scene, "normal maps"));
   EXPECT_TRUE(has_warning(scene, "KHR_materials_sheen"));
 }
 

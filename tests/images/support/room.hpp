@@ -24,6 +24,17 @@ inline GltfScene room(const nlohmann::json& floor, const nlohmann::json& tall, c
   return scene;
 }
 
+/// The material with a normal map of strong random relief.
+inline nlohmann::json bumpy(GltfScene& scene, nlohmann::json material) {
+  std::vector<uint8_t> rgba;
+  for (uint32_t i = 0; i < 16; ++i) {
+    const auto code = [&](uint32_t k) { return static_cast<uint8_t>((2654435761u * (3 * i + k + 1)) >> 24); };
+    rgba.insert(rgba.end(), {code(0), code(1), 200, 255});
+  }
+  material["normalTexture"] = {{"index", scene.add_texture(4, rgba)}};
+  return material;
+}
+
 inline const nlohmann::json WHITE = lambert({0.7, 0.7, 0.7});
 
 // Faces down.

@@ -1,0 +1,233 @@
+#include "scene/tangents.hpp"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cfloat>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace regulus::scene {
+namespace {
+
+using glm::dvec2;
+using glm::dvec3;
+
+/// Which way the image lies on a triangle.
+enum class Orientation { Unknown, Upright, Mirrored };
+
+/// What mikktspace.c calls STriInfo.
+struct Facet {
+  std::array<uint32_t, 3> vertices;  // in Scene::vertices
+  std::array<uint32_t, 3> welded;    // numbers of distinct (position, normal, uv)
+  dvec3 tangent{0};                  // unit direction of growing u; 0 if the image has no area here
+  Orientation orientation = Orientation::Unknown;
+};
+
+struct VertexHash {
+  size_t operator()(const interface::Vertex& v) const {
+    size_t hash = 0;
+    for (const float value :
+         {v.position.x, v.position.y, v.position.z, v.normal.x, v.normal.y, v.normal.z, v.uv.x, v.uv.y})
+      hash = (hash ^ std::bit_cast<uint32_t>(value + 0.0f)) * 0x9E3779B97F4A7C15u;
+    return hash;
+  }
+};
+
+struct VertexEqual {
+  bool operator()(const interface::Vertex& a, const interface::Vertex& b) const {
+    return a.position == b.position && a.normal == b.normal && a.uv == b.uv;
+  }
+};
+
+/// Sets of corners that can be joined.
+class CornerSets {
+ public:
+  explicit CornerSets(size_t corners) : parents_(corners) { std::iota(parents_.begin(), parents_.end(), 0u); }
+
+  uint32_t representative(uint32_t corner) {
+    while (parents_[corner] != corner) corner = parents_[corner] = parents_[parents_[corner]];
+    return corner;
+  }
+  void join(uint32_t a, uint32_t b) { parents_[representative(b)] = representative(a); }
+
+ private:
+  std::vector<uint32_t> parents_;
+};
+
+/// Two triangles at an edge that they run through in opposite directions; corner k starts edge k.
+struct SharedEdge {
+  size_t facets[2];
+  uint32_t edges[2];
+};
+
+void set_image_direction(const Scene& scene, Facet& facet) {
+  const interface::Vertex& a = scene.vertices[facet.vertices[0]];
+  const interface::Vertex& b = scene.vertices[facet.vertices[1]];
+  const interface::Vertex& c = scene.vertices[facet.vertices[2]];
+  // Up in the image is -v.
+  const dvec2 ab = (dvec2(b.uv) - dvec2(a.uv)) * dvec2(1, -1);
+  const dvec2 ac = (dvec2(c.uv) - dvec2(a.uv)) * dvec2(1, -1);
+  const double area = ab.x * ac.y - ab.y * ac.x;
+  if (!(std::abs(area) > FLT_MIN)) return;
+  const dvec3 u =
+      ac.y * (dvec3(b.position) - dvec3(a.position)) - ab.y * (dvec3(c.position) - dvec3(a.position));
+  const double length = glm::length(u);
+  if (!(length > 0) || !std::isfinite(length)) return;
+  facet.orientation = area > 0 ? Orientation::Upright : Orientation::Mirrored;
+  facet.tangent = (area > 0 ? u : -u) / length;
+}
+
+std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle) {
+  std::unordered_map<interface::Vertex, uint32_t, VertexHash, VertexEqual> numbers;
+  std::vector<Facet> facets;
+  for (size_t t = first_triangle; t < scene.triangles.size(); ++t) {
+    const interface::Triangle& triangle = scene.triangles[t];
+    Facet facet{{triangle.v0, triangle.v1, triangle.v2}, {}};
+    for (size_t i = 0; i < 3; ++i)
+      facet.welded[i] =
+          numbers.try_emplace(scene.vertices[facet.vertices[i]], static_cast<uint32_t>(numbers.size()))
+              .first->second;
+    set_image_direction(scene, facet);
+    facets.push_back(facet);
+  }
+  return facets;
+}
+
+/// Each edge belongs to at most one pair.
+std::vector<SharedEdge> find_shared_edges(const std::vector<Facet>& facets) {
+  std::map<std::pair<uint32_t, uint32_t>, std::vector<std::pair<size_t, uint32_t>>> open;
+  std::vector<SharedEdge> shared;
+  for (size_t f = 0; f < facets.size(); ++f)
+    for (uint32_t e = 0; e < 3; ++e) {
+      const uint32_t from = facets[f].welded[e], to = facets[f].welded[(e + 1) % 3];
+      const auto opposite = open.find({to, from});
+      if (opposite != open.end() && !opposite->second.empty()) {
+        const auto [g, edge] = opposite->second.back();
+        opposite->second.pop_back();
+        shared.push_back({{g, f}, {edge, e}});
+      } else {
+        open[{from, to}].emplace_back(f, e);
+      }
+    }
+  return shared;
+}
+
+/// Triangles on which the image has no area go with a neighbour.
+void adopt_orientations(std::vector<Facet>& facets, const std::vector<SharedEdge>& shared) {
+  for (const SharedEdge& edge : shared)
+    for (int side = 0; side < 2; ++side) {
+      Facet& facet = facets[edge.facets[side]];
+      if (facet.orientation == Orientation::Unknown)
+        facet.orientation = facets[edge.facets[1 - side]].orientation;
+    }
+}
+
+CornerSets join_corners(const std::vector<Facet>& facets, const std::vector<SharedEdge>& shared) {
+  CornerSets sets(3 * facets.size());
+  const auto corner = [](size_t facet, uint32_t i) { return static_cast<uint32_t>(3 * facet) + i % 3; };
+  for (const SharedEdge& edge : shared) {
+    const auto [f, g] = edge.facets;
+    if (facets[f].orientation != facets[g].orientation) continue;
+    sets.join(corner(f, edge.edges[0]), corner(g, edge.edges[1] + 1));
+    sets.join(corner(f, edge.edges[0] + 1), corner(g, edge.edges[1]));
+  }
+  return sets;
+}
+
+/// v without its part along n, unit length, or zero.
+dvec3 projected(const dvec3& v, const dvec3& n) {
+  const dvec3 in_plane = v - glm::dot(v, n) * n;
+  const double length = glm::length(in_plane);
+  return length > FLT_MIN ? in_plane / length : dvec3(0);
+}
+
+/// The share of one corner in its set's tangent: weighted by the angle there, seen along the normal.
+dvec3 weighted_tangent(const Scene& scene, const Facet& facet, size_t i) {
+  const interface::Vertex& here = scene.vertices[facet.vertices[i]];
+  const dvec3 position(here.position), normal(here.normal);
+  const dvec3 next =
+      projected(dvec3(scene.vertices[facet.vertices[(i + 1) % 3]].position) - position, normal);
+  const dvec3 last =
+      projected(dvec3(scene.vertices[facet.vertices[(i + 2) % 3]].position) - position, normal);
+  return std::acos(std::clamp(glm::dot(next, last), -1.0, 1.0)) * projected(facet.tangent, normal);
+}
+
+/// Gives each vertex the tangent of its corners; a copy of it takes each further one.
+class TangentWriter {
+ public:
+  TangentWriter(Scene& scene, size_t first_vertex)
+      : scene_(scene),
+        first_vertex_(first_vertex),
+        is_written_(scene.vertices.size() - first_vertex, false) {}
+
+  /// The vertex that a corner at `vertex` with that tangent uses.
+  uint32_t vertex_with(uint32_t vertex, const glm::vec4& tangent) {
+    const size_t local = vertex - first_vertex_;
+    if (!is_written_[local] || scene_.vertex_tangents[vertex] == tangent) {
+      is_written_[local] = true;
+      scene_.vertex_tangents[vertex] = tangent;
+      return vertex;
+    }
+    auto& copies = copies_[vertex];
+    for (const uint32_t copy : copies)
+      if (scene_.vertex_tangents[copy] == tangent) return copy;
+    const auto copy = static_cast<uint32_t>(scene_.vertices.size());
+    scene_.vertices.push_back(interface::Vertex(scene_.vertices[vertex]));
+    scene_.vertex_tangents.push_back(tangent);
+    if (scene_.vertex_colors.size() > vertex) {
+      scene_.vertex_colors.resize(copy, glm::vec4(1));
+      scene_.vertex_colors.push_back(glm::vec4(scene_.vertex_colors[vertex]));
+    }
+    copies.push_back(copy);
+    return copy;
+  }
+
+ private:
+  Scene& scene_;
+  size_t first_vertex_;
+  std::vector<bool> is_written_;
+  std::unordered_map<uint32_t, std::vector<uint32_t>> copies_;
+};
+
+}  // namespace
+
+glm::vec4 any_tangent(const glm::vec3& normal) {
+  const glm::vec3 axis = std::abs(normal.x) < 0.7f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  return {glm::normalize(axis - glm::dot(axis, normal) * normal), 1};
+}
+
+void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle) {
+  scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
+  std::vector<Facet> facets = make_facets(scene, first_triangle);
+  const std::vector<SharedEdge> shared = find_shared_edges(facets);
+  adopt_orientations(facets, shared);
+  CornerSets sets = join_corners(facets, shared);
+  std::vector<dvec3> sums(3 * facets.size(), dvec3(0));
+  for (uint32_t corner = 0; corner < sums.size(); ++corner)
+    sums[sets.representative(corner)] += weighted_tangent(scene, facets[corner / 3], corner % 3);
+
+  TangentWriter writer(scene, first_vertex);
+  for (size_t f = 0; f < facets.size(); ++f) {
+    std::array<uint32_t, 3> vertices{};
+    for (uint32_t i = 0; i < 3; ++i) {
+      const uint32_t vertex = facets[f].vertices[i];
+      const dvec3 sum = sums[sets.representative(static_cast<uint32_t>(3 * f) + i)];
+      const double length = glm::length(sum);
+      glm::vec4 tangent = length > FLT_MIN ? glm::vec4(glm::vec3(sum / length), 1.0f)
+                                           : any_tangent(scene.vertices[vertex].normal);
+      if (facets[f].orientation == Orientation::Mirrored) tangent.w = -1;
+      vertices[i] = writer.vertex_with(vertex, tangent);
+    }
+    interface::Triangle& triangle = scene.triangles[first_triangle + f];
+    triangle.v0 = vertices[0];
+    triangle.v1 = vertices[1];
+    triangle.v2 = vertices[2];
+  }
+}
+
+}  // namespace regulus::scene

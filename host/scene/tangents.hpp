@@ -1,0 +1,22 @@
+// Tangent frames where a mesh brings none: those of MikkTSpace (Mikkelsen, "Simulation of Wrinkled Surfaces
+// Revisited", 2008, and the reference implementation mikktspace.c), for which normal maps are baked.
+#pragma once
+
+#include <cstddef>
+
+#include "scene/scene.hpp"
+
+namespace regulus::scene {
+
+/// Fills Scene::vertex_tangents for the triangles from `first_triangle` on, which must be the last of the
+/// scene and use no vertex before `first_vertex`. Corners that share position, normal and texture coordinates
+/// share a tangent with those they are connected to by edges, unless the image is mirrored between them; a
+/// vertex whose corners then differ is split. The frame is that of glTF: bitangent = w cross(normal, tangent)
+/// points up in the image, against v. It is computed from world-space positions, which differs from baking
+/// only under transforms that are not similarities.
+void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle);
+
+/// Some unit vector orthogonal to a unit normal, with w = 1: the frame where texture coordinates give none.
+glm::vec4 any_tangent(const glm::vec3& normal);
+
+}  // namespace regulus::scene
