@@ -217,8 +217,9 @@ class StageChecker {
       u += dvec4(CHOICE_TOLERANCE * sign_of(jitter, 5), ULP * sign_of(jitter, 6), ULP * sign_of(jitter, 7),
                  2 * CHOICE_TOLERANCE * sign_of(jitter, 8));
     u = glm::clamp(u, dvec4(0), dvec4(1 - 1e-9));
-    reference::WalkVertex vertex = arrive(
-        subject_.world, subject_.world.surface_at(hit.triangle, barycentrics), hit.t, state, 1, is_camera_);
+    reference::Surface surface = subject_.world.surface_at(hit.triangle, barycentrics);
+    if (is_moved) surface.uv += 2 * ULP * abs(surface.uv) * dvec2(sign_of(jitter, 9), sign_of(jitter, 10));
+    reference::WalkVertex vertex = arrive(subject_.world, surface, hit.t, state, 1, is_camera_);
     const bool goes_on = is_camera_ ? scatter_from_camera(subject_.world, vertex, state, index, u)
                                     : scatter_from_light(subject_.world, vertex, state, index, u);
     if (!goes_on) return std::nullopt;

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "reference/rng.hpp"
+#include "reference/rounding.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -42,13 +43,23 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
   return sample;
 }
 
-/// The vertex that a ray reaches.
-std::optional<WalkVertex> next_vertex(const World& world, const Ray& ray, WalkState& state, double cos_start,
-                                      bool is_from_camera) {
+// Places of a walk's rays in Rounding, apart from those of its random blocks.
+constexpr uint32_t ROUNDING_CAMERA = 1u << 30;
+constexpr uint32_t ROUNDING_LIGHT = 3u << 30;
+
+/// The vertex that a ray reaches from surface `start` (null: from none).
+std::optional<WalkVertex> next_vertex(const World& world, Ray ray, const Surface* start, WalkState& state,
+                                      double cos_start, bool is_from_camera, Rounding rounding) {
+  if (rounding.is_on()) {
+    ray = rounded(world, ray, start, rounding);
+    state.direction = ray.direction;
+  }
   const std::optional<Intersection> hit = world.traversal().closest(ray);
   if (!hit) return std::nullopt;
-  return arrive(world, world.surface_at(hit->triangle, hit->barycentrics), hit->t, state, cos_start,
-                is_from_camera);
+  Surface surface = world.surface_at(hit->triangle, hit->barycentrics);
+  for (int axis = 0; axis < 2; ++axis)
+    surface.uv[axis] = rounding.moved(surface.uv[axis], 2 * UNIT_ROUNDOFF * std::abs(surface.uv[axis]));
+  return arrive(world, surface, hit->t, state, cos_start, is_from_camera);
 }
 
 /// Samples the next direction at a vertex and plays roulette with `survival` (a function of the step's
@@ -83,7 +94,12 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
 dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block) {
   const RandomBits bits = settings.sampler == SAMPLER_SOBOL ? sobol_bits(settings.seed, stream, sample, block)
                                                             : hash_bits(settings.seed, stream, sample, block);
-  return {unit_interval(bits[0]), unit_interval(bits[1]), unit_interval(bits[2]), unit_interval(bits[3])};
+  Rounding rounding(settings.rounding_pattern, stream, sample, block);
+  dvec4 numbers;
+  for (int i = 0; i < 4; ++i)
+    numbers[i] = std::clamp(rounding.moved(unit_interval(bits[static_cast<size_t>(i)]), UNIT_ROUNDOFF), 0.0,
+                            1 - UNIT_ROUNDOFF);
+  return numbers;
 }
 
 WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
@@ -137,9 +153,13 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
   Ray ray{state.position, state.direction};
+  Surface start_surface;
+  const Surface* start = nullptr;
   double cos_start = 1;
   for (uint32_t bounce = 0; bounce < settings.max_depth; ++bounce) {
-    std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, true);
+    std::optional<WalkVertex> vertex =
+        next_vertex(world, ray, start, state, cos_start, true,
+                    Rounding(settings.rounding_pattern, pixel, sample, ROUNDING_CAMERA + bounce));
     if (!vertex) break;
     subpath.vertices.push_back(*vertex);
     WalkVertex& reached = subpath.vertices.back();
@@ -149,6 +169,8 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     if (!scatter_from_camera(world, reached, state, bounce, u)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
+    start_surface = reached.surface;
+    start = &start_surface;
   }
   return subpath;
 }
@@ -170,10 +192,14 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   const bool is_surface = subpath.point.is_triangle();
   Ray ray = is_surface ? world.ray_from(subpath.point.surface, state.direction)
                        : Ray{state.position, state.direction};
+  Surface start_surface = subpath.point.surface;
+  const Surface* start = is_surface ? &start_surface : nullptr;
   double cos_start = is_surface ? std::abs(dot(state.direction, subpath.point.surface.geometric_normal)) : 1;
   state.throughput = subpath.end.emitted * cos_start / (subpath.end.point_pdf * subpath.end.density.value);
   for (uint32_t bounce = 0; bounce + 1 < settings.max_depth; ++bounce) {
-    std::optional<WalkVertex> vertex = next_vertex(world, ray, state, cos_start, false);
+    std::optional<WalkVertex> vertex =
+        next_vertex(world, ray, start, state, cos_start, false,
+                    Rounding(settings.rounding_pattern, index, iteration, ROUNDING_LIGHT + bounce));
     if (!vertex) break;
     subpath.vertices.push_back(*vertex);
     if (bounce + 2 == settings.max_depth) break;
@@ -182,6 +208,8 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
     if (!scatter_from_light(world, reached, state, bounce, u)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
+    start_surface = reached.surface;
+    start = &start_surface;
   }
   return subpath;
 }

@@ -28,6 +28,10 @@ struct Settings {
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   Filter filter;
+  /// 0: exact. Otherwise every random number, ray and texture coordinate of a walk is moved by a unit or two
+  /// in the last place of single precision, up or down by this pattern: how far results move tells how well
+  /// conditioned they are.
+  uint32_t rounding_pattern = 0;
 
   uint32_t paths_per_iteration() const { return light_paths == 0 ? width * height : light_paths; }
 };

@@ -94,10 +94,12 @@ def pool_walls(scene):
         scene.add_surface("tiles", mesh, scene.diffuse("tile", color))
     scene.add_surface("grout", grout, scene.diffuse("grout", (0.62, 0.64, 0.64)))
 
+    # The deck juts out over the tiles: in one plane with them it would be a matter of rounding which is seen.
     deck = Mesh([], [], [])
-    for low_corner, high_corner in (((-6.0, high - 0.06, -5.0), (6.0, high, -half_z)), ((-6.0, high - 0.06, half_z), (6.0, high, 5.0)),
-                                    ((-6.0, high - 0.06, -half_z), (-half_x, high, half_z)),
-                                    ((half_x, high - 0.06, -half_z), (6.0, high, half_z))):
+    edge_x, edge_z, under = half_x - 0.01, half_z - 0.01, high - 0.06
+    for low_corner, high_corner in (((-6.0, under, -5.0), (6.0, high, -edge_z)), ((-6.0, under, edge_z), (6.0, high, 5.0)),
+                                    ((-6.0, under, -edge_z), (-edge_x, high, edge_z)),
+                                    ((edge_x, under, -edge_z), (6.0, high, edge_z))):
         join(deck, box(low_corner, high_corner))
     scene.add_surface("deck", deck, scene.diffuse("stone", (0.66, 0.60, 0.52)))
 

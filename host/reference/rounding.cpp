@@ -1,0 +1,62 @@
+#include "reference/rounding.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace regulus::reference {
+
+using glm::dvec3;
+
+namespace {
+
+/// Steele, Lea and Flood, "Fast Splittable Pseudorandom Number Generators", 2014.
+uint64_t mixed(uint64_t z) {
+  z += 0x9E3779B97F4A7C15;
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EB;
+  return z ^ (z >> 31);
+}
+
+/// How far off a surface single precision has to start its rays lest they meet it again: the triangle test
+/// for an origin on the triangle errs by 20 roundings of E (E^2 / 2 area), E the distance to its farthest
+/// vertex. Of needles only a part is provided for.
+double clearance(const World& world, const Surface& surface) {
+  constexpr double MOST_OF_A_NEEDLE = 64;
+  const interface::Triangle& triangle = world.scene().triangles[surface.triangle];
+  double extent = 0;
+  for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2})
+    extent = std::max(extent, length(dvec3(world.scene().vertices[vertex].position) - surface.position));
+  return 20 * UNIT_ROUNDOFF * extent * std::min(extent * extent / (2 * surface.area), MOST_OF_A_NEEDLE);
+}
+
+}  // namespace
+
+Rounding::Rounding(uint32_t pattern, uint32_t stream, uint32_t sample, uint32_t place)
+    : is_on_(pattern != 0), bits_(pattern) {
+  for (const uint32_t key : {stream, sample, place}) bits_ = mixed(bits_ ^ key);
+}
+
+double Rounding::moved(double x, double amount) {
+  if (!is_on_) return x;
+  bits_ = mixed(bits_);
+  return (bits_ >> 63) != 0 ? x + amount : x - amount;
+}
+
+Ray rounded(const World& world, const Ray& ray, const Surface* start, Rounding& rounding) {
+  Ray moved = ray;
+  if (start != nullptr) {
+    const double side = dot(ray.direction, start->geometric_normal) < 0 ? -1 : 1;
+    const double share = rounding.moved(0.5, 0.5);
+    moved.origin += side * share * clearance(world, *start) * start->geometric_normal;
+  }
+  const dvec3 size = glm::abs(ray.origin);
+  const double largest = std::max({size.x, size.y, size.z});
+  for (int axis = 0; axis < 3; ++axis) {
+    moved.origin[axis] = rounding.moved(moved.origin[axis], 2 * UNIT_ROUNDOFF * largest);
+    moved.direction[axis] = rounding.moved(ray.direction[axis], 2 * UNIT_ROUNDOFF);
+  }
+  moved.direction = normalize(moved.direction);
+  return moved;
+}
+
+}  // namespace regulus::reference

@@ -1,0 +1,33 @@
+// What single precision may do to the numbers of a walk, for measuring how well conditioned its results are.
+#pragma once
+
+#include <cstdint>
+
+#include "reference/world.hpp"
+
+namespace regulus::reference {
+
+constexpr double UNIT_ROUNDOFF = 0x1p-24;  ///< of single precision
+
+/// A sequence of signs, different for every pattern, stream, sample and place.
+class Rounding {
+ public:
+  /// Pattern 0 moves nothing.
+  Rounding(uint32_t pattern, uint32_t stream, uint32_t sample, uint32_t place);
+
+  bool is_on() const { return is_on_; }
+
+  /// x moved up or down by `amount`.
+  double moved(double x, double amount);
+
+ private:
+  bool is_on_;
+  uint64_t bits_;
+};
+
+/// The ray as single precision may have left it: origin and direction moved by two roundings. From a surface
+/// it starts anywhere between there and the distance at which single precision is sure not to meet the
+/// surface's own triangle again. `start`: that surface, or null.
+Ray rounded(const World& world, const Ray& ray, const Surface* start, Rounding& rounding);
+
+}  // namespace regulus::reference
