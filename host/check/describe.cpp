@@ -77,8 +77,9 @@ std::string describe_contribution(const reference::Contribution& found) {
       fmt::format("path of {} edges by {}: contributes {} = weight {:.6g} times {}\n", sampled.path.length(),
                   name_of(*used), text_of(found.value()), found.weight, text_of(found.unweighted));
   for (const reference::Technique& technique : found.techniques)
-    text += fmt::format("    {:<14} n p {:>12.5g}  weight {:.6g}\n", name_of(technique),
-                        static_cast<double>(technique.density), mis_weight(found.techniques, technique));
+    text +=
+        fmt::format("    {:<14} n p {:>12.5g}  weight {:.6g}\n", name_of(technique),
+                    static_cast<double>(technique.weight_density), mis_weight(found.techniques, technique));
   return text;
 }
 
@@ -104,7 +105,7 @@ std::string describe_path(const Subject& subject, uint32_t pixel, uint32_t sampl
     std::vector<reference::LightSubpath> subpaths(settings.paths_per_iteration());
     for (uint32_t i = 0; i < subpaths.size(); ++i)
       subpaths[i] = walk_from_light(subject.world, settings, i, sample);
-    cache = std::make_unique<reference::LightCache>(std::move(subpaths), estimator.merge_radius(sample));
+    cache = std::make_unique<reference::LightCache>(estimator.light_cache(std::move(subpaths), sample));
   }
   dvec3 sum(0);
   estimator.camera_sample(pixel, sample, cache.get(), [&](const reference::Contribution& found) {

@@ -22,8 +22,10 @@ using render::Recording;
 
 namespace {
 
-constexpr double STEP_BOUND = 1e-4;      // directions, throughputs, relative
-constexpr double DISTANCE_BOUND = 1e-5;  // t, relative to the distance plus the size of coordinates
+constexpr double STEP_BOUND = 1e-4;  // directions, throughputs, relative
+// t, relative to its conditioning: 8 units in the last place.
+constexpr double DISTANCE_BOUND = 8 * 0x1p-23;
+constexpr double TIE_DISTANCE = 1e-5;  // relative to the distance plus the size of coordinates
 constexpr double ULP = 6e-8;
 constexpr int JITTERS = 8;
 // Thresholds that random numbers are compared with: errors of Fresnel terms and luminances.
@@ -72,9 +74,7 @@ class StageChecker {
       const auto expected = subject_.world.traversal().closest(ray);
       const double scale = largest(ray.origin) + (expected ? expected->t : subject_.world.radius());
       if (expected && hit.triangle == expected->triangle) {
-        const dvec3 normal = subject_.world.surface_at(hit.triangle, {0, 0}).geometric_normal;
-        const double conditioning = 1 / std::max(std::abs(dot(normal, ray.direction)), 1e-3);
-        if (!tally.add_error(std::abs(hit.t - expected->t) / (scale * conditioning)))
+        if (!tally.add_error(std::abs(hit.t - expected->t) / distance_conditioning(ray, *expected)))
           tally.describe(fmt::format("slot {}: t {} against {}", slot, hit.t, expected->t));
       } else if (!expected && hit.triangle == INVALID_INDEX) {
         tally.add_error(0);
@@ -136,14 +136,28 @@ class StageChecker {
     uint32_t medium = INVALID_INDEX;
   };
 
+  /// What one relative rounding does to t: of the plane (origin and coordinates), seen at the ray's cosine,
+  /// and of the triangle's edge functions, which err by E^2 each, with E the distance to the farthest vertex,
+  /// and are divided by twice the area (see the triangle test).
+  double distance_conditioning(const reference::Ray& ray, const reference::Intersection& hit) const {
+    const reference::Surface surface = subject_.world.surface_at(hit.triangle, hit.barycentrics);
+    const BvhTriangle& t = subject_.bvh.triangles[hit.triangle];
+    double extent = 0;
+    for (const glm::vec3& vertex : {t.v0, t.v1, t.v2})
+      extent = std::max(extent, length(dvec3(vertex) - surface.position));
+    const double shape = extent * extent / (2 * surface.area);
+    const double cosine = std::abs(dot(surface.geometric_normal, ray.direction));
+    return (largest(ray.origin) + hit.t + extent * shape) / std::max(cosine, 1e-6);
+  }
+
   Difference difference_of(const reference::Ray& ray, const Hit& hit,
                            const std::optional<reference::Intersection>& expected, double scale) const {
     // A tie: the device's triangle is met at that distance, and the reference's as near as makes no
     // difference.
-    if (expected && hit.triangle != INVALID_INDEX && std::abs(hit.t - expected->t) < DISTANCE_BOUND * scale) {
+    if (expected && hit.triangle != INVALID_INDEX && std::abs(hit.t - expected->t) < TIE_DISTANCE * scale) {
       const BvhTriangle& t = subject_.bvh.triangles[hit.triangle];
       const auto own = reference::intersect(ray, {dvec3(t.v0), dvec3(t.v1), dvec3(t.v2)});
-      if (own && std::abs(own->t - hit.t) < DISTANCE_BOUND * scale) return Difference::Tie;
+      if (own && std::abs(own->t - hit.t) < TIE_DISTANCE * scale) return Difference::Tie;
     }
     // An edge: a ray beside this one finds what the device found.
     for (int k = 0; k < JITTERS; ++k) {
@@ -210,7 +224,7 @@ class StageChecker {
     // Texture coordinates are rounded twice more, interpolated and scaled to texels.
     if (is_moved) barycentrics += 4 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
     dvec4 u = random_block(
-        subject_.reference_settings, path.pixel, path.sample_index,
+        subject_.reference_settings, path.pixel & PATH_PIXEL, path.sample_index,
         is_camera_ ? DIMENSION_BLOCKS_FIRST + index * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF
                    : DIMENSION_BLOCK_LIGHT_BSDF + index);
     if (is_moved)

@@ -96,7 +96,6 @@ void run_check(CLI::App& command, CheckOptions& options) {
       scene::load(options.render.scene_file, {options.render.scene_index, options.render.allow_external});
   apply_scene_settings(command, scene);
   render::RenderSettings settings = resolve_settings(options.render, scene);
-  settings.regularization = REGULARIZATION_NONE;  // the reference has none yet
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   gpu::Device device({.select = options.render.device, .software_stage_times = false});
   fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);

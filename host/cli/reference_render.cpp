@@ -5,10 +5,6 @@
 namespace regulus::cli {
 
 reference::Settings reference_settings(const render::RenderSettings& settings) {
-  if (settings.cache_connections != 0)
-    throw Error(ExitStatus::BadUsage, "--connections cache:M: the reference has paired connections only");
-  if (settings.regularization != interface::REGULARIZATION_NONE)
-    throw Error(ExitStatus::BadUsage, "--regularization: the reference renders without; say none");
   reference::Settings result;
   result.width = settings.width;
   result.height = settings.height;
@@ -22,6 +18,11 @@ reference::Settings reference_settings(const render::RenderSettings& settings) {
   result.light_paths = settings.light_paths;
   result.merge_radius = settings.merge_radius;
   result.merge_reduction = settings.merge_reduction;
+  result.cache_connections = settings.cache_connections;
+  result.regularization = settings.regularization;
+  result.bound = settings.bound;
+  result.mis = settings.mis;
+  result.tau = settings.tau;
   result.ndf = settings.ndf;
   result.shadowing = settings.shadowing;
   result.filter = {settings.filter, settings.filter_radius, settings.filter_sigma};

@@ -61,6 +61,18 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
                    (pi * glm::max(1.0 - average, dvec3(1e-4)));
 }
 
+Bsdf Bsdf::with_alpha(const dvec2& alpha) const {
+  Bsdf other = *this;
+  other.parameters_.alpha = other.surface_.alpha = alpha;
+  return other;
+}
+
+Bsdf Bsdf::with_unit_density() const {
+  Bsdf other = *this;
+  other.surface_.has_unit_density = true;
+  return other;
+}
+
 double Bsdf::relative_index(const dvec3& w) const {
   return refracts() && w.z < 0 ? 1 / parameters_.ior : parameters_.ior;
 }

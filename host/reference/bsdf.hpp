@@ -76,6 +76,13 @@ class Bsdf {
   bool has_finite_lobe() const { return !is_delta() || diffuse_scale_ != glm::dvec3(0); }
 
   const BsdfParameters& parameters() const { return parameters_; }
+  const Microsurface& microsurface() const { return surface_; }
+
+  /// The same material with another alpha; (0, 0): its value() and pdf() are those of the diffuse lobe.
+  Bsdf with_alpha(const glm::dvec2& alpha) const;
+
+  /// The same with a density of facets of 1 in value() and pdf(), see Microsurface::has_unit_density.
+  Bsdf with_unit_density() const;
 
  private:
   glm::dvec3 reflectance(double cos_facet, double eta) const;    // F_r

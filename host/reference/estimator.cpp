@@ -26,13 +26,15 @@ dvec2 lens_sample(const Settings& settings, uint32_t index, uint32_t iteration, 
 
 }  // namespace
 
-LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius)
+LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool is_regularized)
     : subpaths_(std::move(subpaths)), radius_(radius) {
-  if (!(radius > 0)) return;
   for (uint32_t i = 0; i < subpaths_.size(); ++i)
-    for (uint32_t m = 1; m <= subpaths_[i].vertices.size(); ++m)
-      if (subpaths_[i].vertices[m - 1].bsdf.has_finite_lobe())
-        cells_[key_of(cell_of(subpaths_[i].vertices[m - 1].surface.position))].push_back({i, m});
+    for (auto m = static_cast<uint32_t>(subpaths_[i].vertices.size()); m >= 1; --m) {
+      const WalkVertex& vertex = subpaths_[i].vertices[m - 1];
+      if (!is_regularized && !vertex.bsdf.has_finite_lobe()) continue;
+      numbered_.push_back({i, m});
+      if (radius > 0) cells_[key_of(cell_of(vertex.surface.position))].push_back({i, m});
+    }
 }
 
 glm::ivec3 LightCache::cell_of(const dvec3& point) const {
@@ -62,13 +64,36 @@ std::vector<LightCache::Reference> LightCache::near(const dvec3& point) const {
   return found;
 }
 
+Estimator::Estimator(const World& world, const Camera& camera, const Settings& settings)
+    : world_(world), camera_(camera), settings_(settings) {
+  if (settings.cache_connections == 0 || (settings.techniques & TECHNIQUE_CONNECT) == 0 ||
+      !needs_light_subpaths())
+    return;
+  // How large the cache will be is not known before it is filled, but weights have to agree on a sample count
+  // from the start. Any will do that is the same for all; the first iteration's is near.
+  Settings exact = settings;
+  exact.rounding_pattern = 0;
+  std::vector<LightSubpath> subpaths;
+  for (uint32_t i = 0; i < settings.paths_per_iteration(); ++i)
+    subpaths.push_back(walk_from_light(world, exact, i, 0));
+  expected_cache_ = std::max(1.0, static_cast<double>(light_cache(std::move(subpaths), 0).size()));
+}
+
+LightCache Estimator::light_cache(std::vector<LightSubpath> subpaths, uint32_t sample) const {
+  const bool has_merges = (settings_.techniques & TECHNIQUE_MERGE) != 0;
+  return {std::move(subpaths), has_merges ? merge_radius(sample) : 0,
+          regularization_of(settings_, sample).is_on};
+}
+
 double Estimator::merge_radius(uint32_t sample) const {
   return settings_.merge_radius * std::pow(sample + 1.0, -settings_.merge_reduction);
 }
 
 TechniqueSet Estimator::techniques(uint32_t sample) const {
   const double radius = merge_radius(sample);
-  return {settings_.techniques, static_cast<double>(settings_.paths_per_iteration()), 1,
+  const double light_paths = settings_.paths_per_iteration();
+  const uint32_t drawn = settings_.cache_connections;
+  return {settings_.techniques, light_paths, drawn == 0 ? 1 : drawn * light_paths / expected_cache_,
           std::numbers::pi * radius * radius};
 }
 
@@ -90,6 +115,36 @@ void Estimator::emit(std::optional<SampledPath> sampled, const TechniqueSet& set
   sink(contribution);
 }
 
+/// The camera walk's vertex after `edges` edges to those of its own light path, or to some drawn from all.
+void Estimator::connect(const CameraSubpath& camera, size_t edges, uint32_t pixel, uint32_t sample,
+                        const LightCache& cache, const TechniqueSet& set,
+                        const ContributionSink& sink) const {
+  const auto connect_to = [&](const LightSubpath& light, size_t m, const ContributionSink& to) {
+    if (edges + m + 1 <= settings_.max_depth)
+      emit(connect_vertices(world_, light, m, camera, edges), set, to);
+  };
+  if (settings_.cache_connections == 0) {
+    const LightSubpath& light = cache.subpaths()[pixel % cache.subpaths().size()];
+    for (size_t m = 1; m <= light.vertices.size(); ++m) connect_to(light, m, sink);
+    return;
+  }
+  if (cache.size() == 0) return;
+  // Drawn from a cache of another size than expected: the count of samples that weights assume is not theirs.
+  const double scale = cache.size() / expected_cache_;
+  const ContributionSink scaled = [&](Contribution found) {
+    found.unweighted *= scale;
+    sink(found);
+  };
+  for (uint32_t k = 0; k < settings_.cache_connections; ++k) {
+    const uint32_t block = DIMENSION_BLOCK_CACHE + static_cast<uint32_t>(edges - 1) * 256 + k / 4;
+    const double u = random_block(settings_, pixel, sample, block)[static_cast<int>(k % 4)];
+    // In single precision, like every decision.
+    const auto number = static_cast<uint32_t>(static_cast<float>(u) * static_cast<float>(cache.size()));
+    const auto [subpath, m] = cache.numbered(std::min(number, cache.size() - 1));
+    connect_to(cache.subpaths()[subpath], m, scaled);
+  }
+}
+
 void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache* cache,
                               const ContributionSink& sink) const {
   const TechniqueSet set = techniques(sample);
@@ -108,11 +163,7 @@ void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache*
       emit(connect_to_light(world_, point, camera, edges), set, sink);
     }
     if (cache == nullptr) continue;
-    if ((set.bits & TECHNIQUE_CONNECT) != 0) {
-      const LightSubpath& light = cache->subpaths()[pixel % cache->subpaths().size()];
-      for (size_t m = 1; m <= light.vertices.size() && m + 1 <= light_edges_left; ++m)
-        emit(connect_vertices(world_, light, m, camera, edges), set, sink);
-    }
+    if ((set.bits & TECHNIQUE_CONNECT) != 0) connect(camera, edges, pixel, sample, *cache, set, sink);
     if ((set.bits & TECHNIQUE_MERGE) != 0) {
       for (const auto [subpath, m] : cache->near(camera.vertices[edges - 1].surface.position))
         if (m <= light_edges_left)

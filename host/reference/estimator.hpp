@@ -27,8 +27,9 @@ using ContributionSink = std::function<void(const Contribution&)>;
 /// Light walks of one iteration, and their vertices by place.
 class LightCache {
  public:
-  /// `radius` > 0: vertices can be looked up by place.
-  LightCache(std::vector<LightSubpath> subpaths, double radius);
+  /// `radius` > 0: vertices can be looked up by place. `is_regularized`: surfaces without any lobe but deltas
+  /// can be connected, too.
+  LightCache(std::vector<LightSubpath> subpaths, double radius, bool is_regularized = false);
 
   struct Reference {
     uint32_t subpath;
@@ -40,20 +41,28 @@ class LightCache {
   /// Vertices within the radius of a point, in the order of their walks.
   std::vector<Reference> near(const glm::dvec3& point) const;
 
+  /// Number of vertices that can be connected, and the one of that number: walk by walk, the last one of each
+  /// first.
+  uint32_t size() const { return static_cast<uint32_t>(numbered_.size()); }
+  Reference numbered(uint32_t number) const { return numbered_[number]; }
+
  private:
   glm::ivec3 cell_of(const glm::dvec3& point) const;
   static uint64_t key_of(const glm::ivec3& cell);
 
   std::vector<LightSubpath> subpaths_;
   double radius_;
+  std::vector<Reference> numbered_;
   std::unordered_map<uint64_t, std::vector<Reference>> cells_;
 };
 
 /// The paths of one sample of a pixel or of one light walk.
 class Estimator {
  public:
-  Estimator(const World& world, const Camera& camera, const Settings& settings)
-      : world_(world), camera_(camera), settings_(settings) {}
+  Estimator(const World& world, const Camera& camera, const Settings& settings);
+
+  /// The light walks of the iteration of a sample, for camera_sample().
+  LightCache light_cache(std::vector<LightSubpath> subpaths, uint32_t sample) const;
 
   /// Radius of merges in the iteration of a sample: merge_radius (i + 1)^-merge_reduction.
   double merge_radius(uint32_t sample) const;
@@ -74,10 +83,13 @@ class Estimator {
 
  private:
   void emit(std::optional<SampledPath> sampled, const TechniqueSet& set, const ContributionSink& sink) const;
+  void connect(const CameraSubpath& camera, size_t edges, uint32_t pixel, uint32_t sample,
+               const LightCache& cache, const TechniqueSet& set, const ContributionSink& sink) const;
 
   const World& world_;
   const Camera& camera_;
   const Settings& settings_;
+  double expected_cache_ = 1;  // light vertices of the first iteration of all
 };
 
 }  // namespace regulus::reference

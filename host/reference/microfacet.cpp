@@ -139,6 +139,7 @@ double cosine_exponent(double alpha) {
 
 double distribution(const Microsurface& surface, const dvec3& h) {
   if (h.z <= 0) return 0;
+  if (surface.has_unit_density) return 1;
   const dvec2 alpha = surface.alpha;
   const double cos2 = h.z * h.z;
   const double cos4 = cos2 * cos2;

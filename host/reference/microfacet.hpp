@@ -18,6 +18,8 @@ struct Microsurface {
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   glm::dvec2 alpha = glm::dvec2(1);
+  /// distribution() is 1: for quotients of value and pdf of a lobe, from which D cancels.
+  bool has_unit_density = false;
 };
 
 /// Which of the two directions of a facet pair lie on which side of it.

@@ -21,6 +21,19 @@ double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3
   return 1 / (eta * eta);
 }
 
+/// What regularization makes of the scattering between two directions, of the first of which the normals
+/// agree.
+std::optional<ConnectedScattering> raised_between(const Surface& surface, const Bsdf& bsdf,
+                                                  const dvec3& w_light, const dvec3& w_camera,
+                                                  bool is_delta_event, const Regularization& regularization) {
+  if (!regularization.is_on) return std::nullopt;
+  const std::optional<RaisedScattering> raised = raise(
+      bsdf, to_material(surface, w_camera), to_material(surface, w_light), is_delta_event, regularization);
+  if (!raised) return std::nullopt;
+  return ConnectedScattering{raised->value * normal_correction(surface, w_light), raised->pdf_wo,
+                             raised->pdf_wi, true};
+}
+
 }  // namespace
 
 double geometry_term(const Path& path, size_t i) {
@@ -41,15 +54,24 @@ double pdf_from_camera(const Path& path, size_t i) {
   return density.on_surface(edge.cos_light_end, edge.distance);
 }
 
-WideColor measured_function(const Path& path) {
-  const size_t last = path.length() - 1;
+ConnectedScattering connected_at(const Path& path, size_t i) {
+  const VertexScattering& vertex = path.vertices[i];
+  bool is_diffused = false;
+  for (size_t j = i + 1; j < path.length(); ++j) is_diffused = is_diffused || path.vertices[j].diffuses;
+  if (is_diffused && vertex.raised) return *vertex.raised;
+  return {vertex.is_delta ? dvec3(0) : vertex.value, vertex.forward, vertex.reverse, !vertex.is_delta};
+}
+
+WideColor measured_function(const Path& path, size_t first, size_t last) {
+  const size_t end = path.length() - 1;
   WideColor f(path.light.emitted);
-  for (size_t i = 0; i < last; ++i) {
+  for (size_t i = 0; i < end; ++i) {
+    const bool is_connected = first <= i + 1 && i + 1 <= last;
     f *= static_cast<Wide>(geometry_term(path, i));
-    f *= WideColor(path.vertices[i + 1].value);
+    f *= WideColor(is_connected ? connected_at(path, i + 1).value : path.vertices[i + 1].value);
   }
   for (const Edge& edge : path.edges) f *= WideColor(edge.transmittance);
-  return f * static_cast<Wide>(pdf_from_camera(path, last));
+  return f * static_cast<Wide>(pdf_from_camera(path, end));
 }
 
 dvec3 to_material(const Surface& surface, const dvec3& w) {
@@ -69,8 +91,9 @@ dvec3 as_seen(const Surface& surface, const dvec3& w) {
 }
 
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
-                                    const dvec3& w_camera) {
+                                    const dvec3& w_camera, const Regularization& regularization) {
   VertexScattering result;
+  result.diffuses = diffuses(bsdf);
   if (!sides_agree(surface, w_light)) return result;
   const dvec3 local_light = to_material(surface, w_light);
   const dvec3 local_camera = to_material(surface, as_seen(surface, w_camera));
@@ -78,13 +101,14 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, co
       bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
+  result.raised = raised_between(surface, bsdf, w_light, w_camera, false, regularization);
   return result;
 }
 
 VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
                                       const dvec3& w_camera, const BsdfSample& sample,
-                                      TransportMode transport) {
-  if (!sample.is_delta) return scattering_between(surface, bsdf, w_light, w_camera);
+                                      TransportMode transport, const Regularization& regularization) {
+  if (!sample.is_delta) return scattering_between(surface, bsdf, w_light, w_camera, regularization);
   const double cos_light = std::abs(dot(w_light, surface.shading_normal));
   const double cos_camera = std::abs(dot(w_camera, surface.shading_normal));
   const bool is_refracted = sample.is_transmitted && bsdf.parameters().is_volume;
@@ -95,7 +119,8 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
 
   VertexScattering result;
   result.is_delta = true;
-  result.connected_ratio = 0;
+  result.diffuses = diffuses(bsdf);
+  result.raised = raised_between(surface, bsdf, w_light, w_camera, true, regularization);
   result.value = factor / cos_light * normal_correction(surface, w_light);
   result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;
   // delta(w_camera) = delta(w_light) d w_light / d w_camera, by Snell's law n_l^2 cos_l dw_l = n_c^2 cos_c

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "reference/camera.hpp"
 #include "reference/lights.hpp"
+#include "reference/regularization.hpp"
 #include "reference/world.hpp"
 
 namespace regulus::reference {
@@ -15,6 +17,14 @@ namespace regulus::reference {
 /// Products over long paths leave the range of double.
 using Wide = long double;
 using WideColor = glm::vec<3, Wide>;
+
+/// Scattering at a vertex as connections and merges have it.
+struct ConnectedScattering {
+  glm::dvec3 value{0};  ///< rho^, like VertexScattering::value
+  double forward = 0;   ///< pdfs that weights use in place of VertexScattering's: times rho^W / rho
+  double reverse = 0;
+  bool is_possible = false;  ///< false: no connection and no merge finds a path that scatters here like this
+};
 
 /// Scattering at an interior vertex, for directions w_light to x_{i-1} and w_camera to x_{i+1}.
 /// A delta event carries the factors of its delta distribution with respect to the solid angle of w_light:
@@ -24,9 +34,10 @@ struct VertexScattering {
   double forward = 0;   ///< solid-angle pdf of w_camera for a walk that came from w_light
   double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
   bool is_delta = false;
-  /// rho_hat / rho, with rho_hat what a connection or a merge at this vertex measures: 1 if it is not
-  /// regularized, 0 if the vertex cannot be connected.
-  double connected_ratio = 1;
+  bool diffuses = false;  ///< see diffuses(): what is before this vertex is regularized
+  /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
+  /// are finite there, its delta being shared by all that can find the path.
+  std::optional<ConnectedScattering> raised;
 };
 
 /// The edge x_i x_{i+1}. Cosines are absolute, with geometric normals; 1 at ends that are no surfaces.
@@ -64,21 +75,25 @@ double pdf_from_light(const Path& path, size_t i);
 /// P_i^<-: density per area with which a camera walk at x_{i+1} finds x_i; 0 <= i <= K-1.
 double pdf_from_camera(const Path& path, size_t i);
 
-/// f of the path, all scattering unregularized: emitted * product of G, rho and transmittance * importance.
-/// The importance of one square pixel times the last edge's G is pdf_from_camera(K - 1): a film point has
-/// density 1.
-WideColor measured_function(const Path& path);
+/// What a connection or merge has at interior vertex x_i. It is regularized if some vertex between it and the
+/// camera diffuses: path diffusion with two levels (math.md 3.8 A).
+ConnectedScattering connected_at(const Path& path, size_t i);
+
+/// f of the path as a technique measures it that connects or merges at vertices first .. last (none if first
+/// > last): emitted * product of G, rho (there: rho^) and transmittance * importance. The importance of one
+/// square pixel times the last edge's G is pdf_from_camera(K - 1): a film point has density 1.
+WideColor measured_function(const Path& path, size_t first = 1, size_t last = 0);
 
 /// Scattering at a surface between two unit directions that point away from it; non-delta lobes. Zero where
 /// the geometric and the shading normal disagree about the side of either.
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
-                                    const glm::dvec3& w_camera);
+                                    const glm::dvec3& w_camera, const Regularization& regularization = {});
 
 /// Scattering of a walk's step: like scattering_between(), with the delta event if `sample` is one.
 /// `transport` tells what came first: Radiance, w_camera; Importance, w_light.
 VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
                                       const glm::dvec3& w_camera, const BsdfSample& sample,
-                                      TransportMode transport);
+                                      TransportMode transport, const Regularization& regularization = {});
 
 /// x_0 for a path that goes on along `direction` (the way light travels).
 LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3& direction);

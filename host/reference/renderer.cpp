@@ -72,8 +72,7 @@ class Render {
     });
     for (const std::vector<Splat>& part : splats)
       for (const Splat& splat : part) add(splat, image);
-    const bool merges = (settings_.techniques & interface::TECHNIQUE_MERGE) != 0;
-    return std::make_unique<LightCache>(std::move(subpaths), merges ? estimator_.merge_radius(sample) : 0);
+    return std::make_unique<LightCache>(estimator_.light_cache(std::move(subpaths), sample));
   }
 
   /// Every pixel whose filter reaches the point takes its share.

@@ -63,8 +63,8 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   Path& path = sampled.path;
   set_camera_part(path, camera, edges);
   path.light = light_end(world, point, -w);
-  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back);
-  if (is_black(path.light.emitted * path.vertices[1].value)) return std::nullopt;
+  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back, camera.regularization);
+  if (is_black(path.light.emitted * connected_at(path, 1).value)) return std::nullopt;
 
   Edge& edge = path.edges[0];
   edge.distance = is_directional ? 0 : length(to_light);  // a medium has no far end to measure from
@@ -90,9 +90,11 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   Path& path = sampled.path;
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);
-  path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w);
-  path.vertices[light_edges + 1] = scattering_between(from.surface, from.bsdf, w, from.w_back);
-  if (is_black(path.vertices[light_edges].value * path.vertices[light_edges + 1].value)) return std::nullopt;
+  path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w, light.regularization);
+  path.vertices[light_edges + 1] =
+      scattering_between(from.surface, from.bsdf, w, from.w_back, camera.regularization);
+  if (is_black(connected_at(path, light_edges).value * connected_at(path, light_edges + 1).value))
+    return std::nullopt;
 
   Edge& edge = path.edges[light_edges];
   edge.distance = length(segment);
@@ -121,10 +123,10 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   } else {
     const WalkVertex& last = light.vertices[edges - 1];
     sampled.survival = last.survival;
-    path.vertices[edges] = scattering_between(surface, last.bsdf, last.w_back, w);
+    path.vertices[edges] = scattering_between(surface, last.bsdf, last.w_back, w, light.regularization);
     medium = world.medium_towards(surface, last.medium, last.w_back, w);
   }
-  if (is_black(edges == 0 ? path.light.emitted : path.vertices[edges].value)) return std::nullopt;
+  if (is_black(edges == 0 ? path.light.emitted : connected_at(path, edges).value)) return std::nullopt;
 
   Edge& edge = path.edges[edges];
   edge.distance = length(projection->ray.origin - surface.position);
@@ -143,8 +145,9 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
   Path& path = sampled.path;
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);
-  path.vertices[light_edges] = scattering_between(at.surface, at.bsdf, other.w_back, at.w_back);
-  if (is_black(path.vertices[light_edges].value)) return std::nullopt;
+  path.vertices[light_edges] =
+      scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, camera.regularization);
+  if (is_black(connected_at(path, light_edges).value)) return std::nullopt;
   return sampled;
 }
 

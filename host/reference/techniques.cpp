@@ -1,5 +1,7 @@
 #include "reference/techniques.hpp"
 
+#include <algorithm>
+
 namespace regulus::reference {
 
 using namespace interface;
@@ -20,32 +22,52 @@ Wide camera_walk_pdf(const Path& path, size_t first) {
   return pdf;
 }
 
-/// connected_ratio of an interior vertex; the ends of a path are never regularized.
-double ratio_at(const Path& path, size_t i) {
-  return i == 0 || i == path.length() ? 1.0 : path.vertices[i].connected_ratio;
+/// A path with two sets of pdfs, and which of its vertices can be connected.
+struct WeighedPath {
+  const Path& path;
+  Path weighted;  // with the pdfs of connected_at()
+  std::vector<bool> is_possible;
+
+  explicit WeighedPath(const Path& original)
+      : path(original), weighted(original), is_possible(original.length() + 1, true) {
+    for (size_t i = 1; i < path.length(); ++i) {
+      const ConnectedScattering connected = connected_at(path, i);
+      weighted.vertices[i].forward = connected.forward;
+      weighted.vertices[i].reverse = connected.reverse;
+      is_possible[i] = connected.is_possible;
+    }
+  }
+};
+
+/// A technique whose light walk has `light` vertices and whose camera walk goes down to x_camera.
+Technique technique(const WeighedPath& paths, uint32_t kind, size_t vertex, double samples, size_t light,
+                    size_t camera) {
+  const auto density = [&](const Path& path) {
+    const Wide light_pdf = light == 0 ? Wide{1} : light_walk_pdf(path, light);
+    return static_cast<Wide>(samples) * light_pdf * camera_walk_pdf(path, camera);
+  };
+  return {kind, vertex, density(paths.path), density(paths.weighted)};
 }
 
 /// Connection of x_{s-1} and x_s.
-Technique connection(const Path& path, uint32_t kind, size_t s, double samples) {
-  return {kind, s, samples * light_walk_pdf(path, s) * camera_walk_pdf(path, s),
-          ratio_at(path, s - 1) * ratio_at(path, s)};
+Technique connection(const WeighedPath& paths, uint32_t kind, size_t s, double samples) {
+  const bool is_possible = paths.is_possible[s - 1] && paths.is_possible[s];
+  return technique(paths, kind, s, is_possible ? samples : 0, s, s);
 }
 
-Technique hit(const Path& path) {
+Technique hit(const WeighedPath& paths) {
   // No walk arrives at the point of a light that is no surface.
-  const bool is_possible = path.light.kind == LIGHT_TRIANGLE;
-  return {TECHNIQUE_HIT, 0, is_possible ? camera_walk_pdf(path, 0) : 0, 1};
+  return technique(paths, TECHNIQUE_HIT, 0, paths.path.light.kind == LIGHT_TRIANGLE ? 1 : 0, 0, 0);
 }
 
-Technique merge(const Path& path, size_t j, const TechniqueSet& set) {
-  return {TECHNIQUE_MERGE, j,
-          set.light_paths * set.merge_area * light_walk_pdf(path, j + 1) * camera_walk_pdf(path, j),
-          ratio_at(path, j)};
+Technique merge(const WeighedPath& paths, size_t j, const TechniqueSet& set) {
+  const double samples = paths.is_possible[j] ? set.light_paths * set.merge_area : 0;
+  return technique(paths, TECHNIQUE_MERGE, j, samples, j + 1, j);
 }
 
-std::vector<Technique> of_one_edge(const Path& path, const TechniqueSet& set) {
-  if ((set.bits & TECHNIQUE_HIT) != 0) return {hit(path)};
-  if ((set.bits & TECHNIQUE_SPLAT) != 0) return {connection(path, TECHNIQUE_SPLAT, 1, set.light_paths)};
+std::vector<Technique> of_one_edge(const WeighedPath& paths, const TechniqueSet& set) {
+  if ((set.bits & TECHNIQUE_HIT) != 0) return {hit(paths)};
+  if ((set.bits & TECHNIQUE_SPLAT) != 0) return {connection(paths, TECHNIQUE_SPLAT, 1, set.light_paths)};
   return {};
 }
 
@@ -53,21 +75,22 @@ std::vector<Technique> of_one_edge(const Path& path, const TechniqueSet& set) {
 
 std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set) {
   const size_t length = path.length();
+  const WeighedPath paths(path);
   std::vector<Technique> all;
   if (length == 1) {
-    all = of_one_edge(path, set);
+    all = of_one_edge(paths, set);
   } else {
-    if ((set.bits & TECHNIQUE_HIT) != 0) all.push_back(hit(path));
-    if ((set.bits & TECHNIQUE_NEE) != 0) all.push_back(connection(path, TECHNIQUE_NEE, 1, 1));
+    if ((set.bits & TECHNIQUE_HIT) != 0) all.push_back(hit(paths));
+    if ((set.bits & TECHNIQUE_NEE) != 0) all.push_back(connection(paths, TECHNIQUE_NEE, 1, 1));
     if ((set.bits & TECHNIQUE_CONNECT) != 0)
       for (size_t s = 2; s < length; ++s)
-        all.push_back(connection(path, TECHNIQUE_CONNECT, s, set.connections));
+        all.push_back(connection(paths, TECHNIQUE_CONNECT, s, set.connections));
     if ((set.bits & TECHNIQUE_SPLAT) != 0)
-      all.push_back(connection(path, TECHNIQUE_SPLAT, length, set.light_paths));
+      all.push_back(connection(paths, TECHNIQUE_SPLAT, length, set.light_paths));
     if ((set.bits & TECHNIQUE_MERGE) != 0)
-      for (size_t j = 1; j < length; ++j) all.push_back(merge(path, j, set));
+      for (size_t j = 1; j < length; ++j) all.push_back(merge(paths, j, set));
   }
-  std::erase_if(all, [](const Technique& t) { return !(t.density > 0) || t.ratio == 0; });
+  std::erase_if(all, [](const Technique& t) { return !(t.weight_density > 0); });
   return all;
 }
 
@@ -78,14 +101,19 @@ const Technique* find_technique(const std::vector<Technique>& techniques, uint32
 }
 
 double mis_weight(const std::vector<Technique>& techniques, const Technique& used) {
-  const auto measured = [](const Technique& t) { return t.density / static_cast<Wide>(t.ratio); };
   Wide sum = 0;
-  for (const Technique& technique : techniques) sum += measured(technique);
-  return static_cast<double>(measured(used) / sum);
+  for (const Technique& technique : techniques) sum += technique.weight_density;
+  return static_cast<double>(used.weight_density / sum);
 }
 
 glm::dvec3 unweighted_contribution(const Path& path, const Technique& used) {
-  return glm::dvec3(measured_function(path) * (static_cast<Wide>(used.ratio) / used.density));
+  // x_{s-1} and x_s of a connection, x_j of a merge; the ends of a path are never regularized.
+  const size_t s = used.vertex;
+  const bool is_merge = used.kind == TECHNIQUE_MERGE;
+  const size_t first = std::max<size_t>(is_merge ? s : s - 1, 1);
+  const WideColor f =
+      used.kind == TECHNIQUE_HIT ? measured_function(path) : measured_function(path, first, s);
+  return glm::dvec3(f / used.density);
 }
 
 }  // namespace regulus::reference

@@ -23,8 +23,8 @@ struct Technique {
   uint32_t kind = interface::TECHNIQUE_HIT;  ///< TECHNIQUE_*
   size_t vertex =
       0;  ///< s, the number of vertices from the light; of a merge, the index j of the merged vertex
-  Wide density = 0;  ///< n p: expected number of samples per unit of path measure
-  double ratio = 1;  ///< f_k / f: product of connected_ratio over the vertices that it connects
+  Wide density = 0;         ///< n p: expected number of samples per unit of path measure
+  Wide weight_density = 0;  ///< n p^, with the pdfs of ConnectedScattering: what weights compare
 };
 
 /// All techniques of the set that can find the path, in the order hit, nee, connect by s, splat, merge by j.
@@ -34,7 +34,8 @@ std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set
 /// The technique of this kind and vertex, or null if it cannot find the path.
 const Technique* find_technique(const std::vector<Technique>& techniques, uint32_t kind, size_t vertex);
 
-/// Balance weight of one of the techniques: n p f / f_k over the sum of all.
+/// Weight of one of the techniques: n p^ over the sum of all, which is n p f / f_k over the sum of all,
+/// because the product of rho^ / rho over all vertices is common to them (math.md 3.1).
 double mis_weight(const std::vector<Technique>& techniques, const Technique& used);
 
 /// What a sample of the technique contributes before the weight: f_k / (n p).

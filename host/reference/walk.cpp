@@ -66,15 +66,16 @@ std::optional<WalkVertex> next_vertex(const World& world, Ray ray, const Surface
 /// weight). False if the walk ends there.
 template <typename Survival>
 bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, const dvec4& u,
-                   TransportMode transport, const Survival& survival_of) {
+                   TransportMode transport, const Regularization& regularization,
+                   const Survival& survival_of) {
   const BsdfSample sample = sample_direction(vertex, u, transport);
   if (!sample.is_valid) return false;
   const bool is_radiance = transport == TransportMode::Radiance;
   vertex.sample = sample;
+  const dvec3& w_light = is_radiance ? sample.wi : vertex.w_back;
+  const dvec3& w_camera = is_radiance ? vertex.w_back : sample.wi;
   vertex.scattering =
-      is_radiance
-          ? scattering_of_sample(vertex.surface, vertex.bsdf, sample.wi, vertex.w_back, sample, transport)
-          : scattering_of_sample(vertex.surface, vertex.bsdf, vertex.w_back, sample.wi, sample, transport);
+      scattering_of_sample(vertex.surface, vertex.bsdf, w_light, w_camera, sample, transport, regularization);
   // f cos / p with the path's own factors, so shading normals are corrected in light walks.
   const double pdf = is_radiance ? vertex.scattering.reverse : vertex.scattering.forward;
   const dvec3 weight =
@@ -90,6 +91,17 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
 }
 
 }  // namespace
+
+Regularization regularization_of(const Settings& settings, uint32_t sample) {
+  Regularization regularization;
+  regularization.is_on = (settings.regularization & REGULARIZATION_ROUGHNESS) != 0;
+  regularization.tau = settings.tau;
+  regularization.bound = settings.bound;
+  regularization.mis = settings.mis;
+  if ((settings.regularization & REGULARIZATION_CONSISTENT) != 0)
+    regularization.alpha_scale = std::pow(sample + 1.0, -1.0 / 6);
+  return regularization;
+}
 
 dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block) {
   const RandomBits bits = settings.sampler == SAMPLER_SOBOL ? sobol_bits(settings.seed, stream, sample, block)
@@ -118,7 +130,7 @@ WalkVertex arrive(const World& world, const Surface& surface, double distance, W
 }
 
 bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
-                         const dvec4& u) {
+                         const dvec4& u, const Regularization& regularization) {
   const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
     if (step.is_transmitted && vertex.bsdf.parameters().is_volume) {
       const double eta =
@@ -129,15 +141,15 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
                ? 1.0
                : std::min(1.0, largest(state.throughput * weight) * state.eta_scale);
   };
-  return continue_walk(world, vertex, state, u, TransportMode::Radiance, survival);
+  return continue_walk(world, vertex, state, u, TransportMode::Radiance, regularization, survival);
 }
 
 bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
-                        const dvec4& u) {
+                        const dvec4& u, const Regularization& regularization) {
   const auto survival = [&](const dvec3& weight, const BsdfSample&) {
     return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest(weight));
   };
-  return continue_walk(world, vertex, state, u, TransportMode::Importance, survival);
+  return continue_walk(world, vertex, state, u, TransportMode::Importance, regularization, survival);
 }
 
 CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
@@ -147,6 +159,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   const dvec2 centre = dvec2(pixel % camera.width(), pixel / camera.width()) + 0.5;
 
   CameraSubpath subpath;
+  subpath.regularization = regularization_of(settings, sample);
   subpath.film = centre + settings.filter.sample({u_camera.x, u_camera.y});
   subpath.ray = camera.ray(subpath.film, {u_camera.z, u_camera.w});
   subpath.density = camera.density(subpath.ray.direction);
@@ -166,7 +179,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     if (bounce + 2 > settings.max_depth) break;
     const dvec4 u =
         block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
-    if (!scatter_from_camera(world, reached, state, bounce, u)) break;
+    if (!scatter_from_camera(world, reached, state, bounce, u, subpath.regularization)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
     start_surface = reached.surface;
@@ -182,6 +195,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   const dvec4 u_direction = block(DIMENSION_BLOCK_EMISSION_DIRECTION);
 
   LightSubpath subpath;
+  subpath.regularization = regularization_of(settings, iteration);
   subpath.point =
       sample_light_point(world, select_light(world.scene(), {u_point.x, u_point.y}), {u_point.z, u_point.w});
   subpath.ray = sample_emission(world, subpath.point, {u_point.z, u_point.w}, {u_direction.x, u_direction.y});
@@ -205,7 +219,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
     if (bounce + 2 == settings.max_depth) break;
     WalkVertex& reached = subpath.vertices.back();
     const dvec4 u = block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
-    if (!scatter_from_light(world, reached, state, bounce, u)) break;
+    if (!scatter_from_light(world, reached, state, bounce, u, subpath.regularization)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
     start_surface = reached.surface;

@@ -25,6 +25,11 @@ struct Settings {
   uint32_t light_paths = 0;  ///< per iteration; 0: one per pixel
   double merge_radius = 0;   ///< metres, of the first iteration
   double merge_reduction = 1.0 / 6;
+  uint32_t cache_connections = 0;  ///< light vertices drawn for every camera vertex; 0: its own light path's
+  uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
+  uint32_t bound = interface::BOUND_PEAK;
+  uint32_t mis = interface::MIS_BLENDED;
+  double tau = 100;  ///< 1/sr
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   Filter filter;
@@ -35,6 +40,10 @@ struct Settings {
 
   uint32_t paths_per_iteration() const { return light_paths == 0 ? width * height : light_paths; }
 };
+
+/// Regularization in the iteration of a sample: with the consistent schedule alpha_tau shrinks by i^(-1/6) in
+/// iteration i = 1, 2, ... (math.md section 7).
+Regularization regularization_of(const Settings& settings, uint32_t sample);
 
 /// Block `block` of a stream's random numbers: a camera path's stream is its pixel, a light path's its index;
 /// a light path's sample is the iteration.
@@ -70,15 +79,16 @@ WalkVertex arrive(const World& world, const Surface& surface, double distance, W
 /// Samples the next direction of a camera walk (of a light walk) at its vertex `bounce` + 1 with the block
 /// `u`, and plays Russian roulette. False if the walk ends there.
 bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
-                         const glm::dvec4& u);
+                         const glm::dvec4& u, const Regularization& regularization = {});
 bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
-                        const glm::dvec4& u);
+                        const glm::dvec4& u, const Regularization& regularization = {});
 
 /// A walk from the lens: vertices[m - 1] is the vertex after m edges.
 struct CameraSubpath {
   glm::dvec2 film{0};
   CameraRay ray{};
   RayDensity density;  ///< of the ray, see Path::camera
+  Regularization regularization;
   std::vector<WalkVertex> vertices;
 };
 
@@ -87,6 +97,7 @@ struct LightSubpath {
   LightPoint point;  ///< x_0
   EmissionRay ray{};
   LightEnd end;  ///< x_0 as seen by paths that start with this walk
+  Regularization regularization;
   std::vector<WalkVertex> vertices;
 };
 

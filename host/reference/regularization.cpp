@@ -1,0 +1,150 @@
+#include "reference/regularization.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using std::numbers::pi;
+using namespace interface;
+
+namespace {
+
+constexpr double SHARP_ALPHA = 0.05;  // a surface with less, and without a diffuse lobe, does not diffuse
+constexpr double MIN_REGULARIZED_BEND =
+    0.02;                                  // of the indices: less bend, and no roughness blurs (math.md 2.5)
+constexpr double MIN_FACET_COSINE = 1e-4;  // math.md 2.4
+constexpr double DELTA_STAND_IN = 1e-6;    // alpha that stands for the limit 0: masking is off by its square
+
+/// x > 0 with f(x) = 0, for f that increases from below 0.
+template <typename Function>
+double root_of(const Function& f) {
+  double low = 0;
+  double high = 1;
+  while (f(high) < 0) high *= 2;
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    (f(middle) < 0 ? low : high) = middle;
+  }
+  return 0.5 * (low + high);
+}
+
+/// The alpha at which the lobe's peak for this facet cosine is tau. Math.md 2.2; directional: 2.4.
+double reflection_alpha(const Regularization& regularization, uint32_t ndf, uint32_t shadowing, double c) {
+  const double tau = regularization.tau;
+  const bool is_v_cavity = shadowing == SHADOWING_V_CAVITY;
+  if (regularization.bound == BOUND_PEAK || (regularization.bound == BOUND_SMITH && is_v_cavity))
+    return 1 / std::sqrt(4 * pi * tau);
+  if (regularization.bound == BOUND_SMITH)
+    return ndf == NDF_GGX ? std::pow(1 / (pi * tau), 0.25) : std::pow(tau, -0.25);
+  c = std::max(c, MIN_FACET_COSINE);
+  // Peaks, times tau^-1:  1 / (4 pi a^2 c^2),  1 / (4 pi a^2 c sqrt(c^2 + a^2 (1 - c^2))),
+  // 1 / (pi a^2 (c + sqrt(c^2 (1 - a^2) + a^2))^2).
+  if (is_v_cavity) return 1 / (c * std::sqrt(4 * pi * tau));
+  if (shadowing == SHADOWING_SMITH)
+    return root_of(
+        [=](double a) { return 4 * pi * a * a * c * std::sqrt(c * c + a * a * (1 - c * c)) - 1 / tau; });
+  return root_of([=](double a) {
+    const double sum = c + std::sqrt(c * c * (1 - a * a) + a * a);
+    return pi * a * a * sum * sum - 1 / tau;
+  });
+}
+
+/// The same of a refraction lobe with relative index eta.
+double refraction_alpha(const Regularization& regularization, uint32_t ndf, uint32_t shadowing, double eta) {
+  const double larger = std::max(eta, 1.0);
+  const double bend = std::abs(eta - 1) / larger;
+  if (bend < MIN_REGULARIZED_BEND) return 0;
+  const double e = 1 / (bend * bend);
+  const double tau = regularization.tau;
+  if (regularization.bound == BOUND_SMITH && shadowing != SHADOWING_V_CAVITY)
+    return std::pow(4 * e / (ndf == NDF_GGX ? pi * tau : tau), 0.25);
+  return std::sqrt(e / (pi * tau));
+}
+
+bool is_refraction(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi) {
+  return bsdf.parameters().is_volume && wo.z * wi.z < 0;
+}
+
+/// The facet normal of the pair, in the frame where wo is above.
+dvec3 facet_normal(const Bsdf& bsdf, dvec3 wo, dvec3 wi) {
+  const double eta = bsdf.relative_index(wo);
+  const bool is_refracted = is_refraction(bsdf, wo, wi);
+  if (wo.z < 0) {
+    wo.z = -wo.z;
+    wi.z = -wi.z;
+  }
+  if (is_refracted) return refraction_half_vector(wo, wi, eta);
+  return reflection_half_vector(wo, {wi.x, wi.y, std::abs(wi.z)});
+}
+
+double luminance_of(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi) {
+  return luminance(bsdf.value(wo, wi, TransportMode::Radiance));
+}
+
+/// Luminance of rho^W: the lobe's density D^(h) moves towards its peak D^(n) by beta = 1 - (alpha /
+/// alpha^)^2.
+double value_in_weights(const Bsdf& bsdf, const Bsdf& wide, const dvec3& wo, const dvec3& wi,
+                        const Regularization& regularization) {
+  const double diffuse = luminance_of(bsdf.with_alpha(dvec2(0)), wo, wi);
+  if (wide.is_delta()) return diffuse;
+  const double per_density = luminance_of(wide.with_unit_density(), wo, wi) - diffuse;
+  const dvec2 alpha = bsdf.parameters().alpha;
+  const dvec2 raised = wide.parameters().alpha;
+  const double beta = regularization.mis == MIS_BLENDED ? 1 - (alpha.x * alpha.y) / (raised.x * raised.y) : 0;
+  const double here = distribution(wide.microsurface(), facet_normal(bsdf, wo, wi));
+  const double peak = distribution(wide.microsurface(), {0, 0, 1});
+  return diffuse + per_density * std::pow(here, 1 - beta) * std::pow(peak, beta);
+}
+
+}  // namespace
+
+dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Regularization& regularization) {
+  const BsdfParameters& p = bsdf.parameters();
+  const dvec3 h = facet_normal(bsdf, wo, wi);
+  const double c = std::abs(dot(dvec3(wo.x, wo.y, std::abs(wo.z)), h));
+  const double alpha_tau = is_refraction(bsdf, wo, wi)
+                               ? refraction_alpha(regularization, p.ndf, p.shadowing, bsdf.relative_index(wo))
+                               : reflection_alpha(regularization, p.ndf, p.shadowing, c);
+  // Beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (math.md 2.3).
+  const double most = p.ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0;
+  return glm::max(p.alpha, dvec2(std::min(alpha_tau * regularization.alpha_scale, most)));
+}
+
+std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_delta_event,
+                                      const Regularization& regularization) {
+  const Bsdf wide = bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
+  if (is_delta_event && (wide.is_delta() || regularization.mis == MIS_UNMODIFIED)) return std::nullopt;
+  RaisedScattering raised;
+  raised.value = wide.value(wo, wi, TransportMode::Radiance);
+  raised.pdf_wi = bsdf.pdf(wo, wi);
+  raised.pdf_wo = bsdf.pdf(wi, wo);
+  if (regularization.mis == MIS_UNMODIFIED) return raised;
+
+  const double in_weights = value_in_weights(bsdf, wide, wo, wi, regularization);
+  const Bsdf smooth = bsdf.with_alpha(dvec2(0));  // its value and pdf are those of the diffuse lobe
+  const double diffuse = luminance_of(smooth, wo, wi);
+  if (!is_delta_event && diffuse > 0) {
+    const double ratio = in_weights / luminance_of(bsdf, wo, wi);
+    raised.pdf_wi *= ratio;
+    raised.pdf_wo *= ratio;
+    return raised;
+  }
+  // The microfacet lobe alone: p / rho, from which the density cancels, and with it what is infinite of a
+  // delta.
+  const Bsdf lobe = (bsdf.is_delta() ? bsdf.with_alpha(dvec2(DELTA_STAND_IN)) : bsdf).with_unit_density();
+  const double value = luminance_of(lobe, wo, wi) - diffuse;
+  const double scale = value > 0 ? in_weights / value : 0;
+  raised.pdf_wi = scale * (lobe.pdf(wo, wi) - smooth.pdf(wo, wi));
+  raised.pdf_wo = scale * (lobe.pdf(wi, wo) - smooth.pdf(wi, wo));
+  return raised;
+}
+
+bool diffuses(const Bsdf& bsdf) {
+  return bsdf.parameters().alpha.x >= SHARP_ALPHA || bsdf.with_alpha(dvec2(0)).has_finite_lobe();
+}
+
+}  // namespace regulus::reference

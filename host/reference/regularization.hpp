@@ -1,0 +1,45 @@
+// Microfacet regularization by its definitions (Jendersie and Grosch 2019; math.md sections 2 and 3): where a
+// path is connected or merged, a microfacet lobe is measured with alpha^ = max(alpha, alpha_tau), so wide
+// that its density stays below tau, and weights use pdfs times rho^W / rho.
+#pragma once
+
+#include <optional>
+
+#include "reference/bsdf.hpp"
+
+namespace regulus::reference {
+
+/// What one iteration is regularized with.
+struct Regularization {
+  bool is_on = false;
+  double tau = 100;  ///< bound on a lobe's density, 1/sr
+  uint32_t bound = interface::BOUND_PEAK;
+  uint32_t mis = interface::MIS_BLENDED;
+  double alpha_scale = 1;  ///< of alpha_tau: the schedule's share in this iteration
+};
+
+/// Scattering between two directions as connections and merges have it: what they measure, and the pdfs of
+/// math.md 3.1, of the walk times rho^W / rho (rho^W: rho^, or with its peak blended in, 3.9). These are
+/// finite for delta lobes, whose p and rho share a delta that cancels.
+struct RaisedScattering {
+  glm::dvec3 value{0};  ///< rho^(wo, wi), 1/sr, as radiance
+  double pdf_wi = 0;    ///< of wi given wo
+  double pdf_wo = 0;    ///< of wo given wi
+};
+
+/// alpha^ of the lobe that scatters wo to wi: reflection if both lie on the same side, or thin-walled
+/// transmission; otherwise refraction.
+glm::dvec2 raised_alpha(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
+                        const Regularization& regularization);
+
+/// The pair in the bsdf's frame. `is_delta_event`: wi was found by sampling a delta lobe, which outweighs all
+/// others there. Nothing if no connection can stand in for that event: the lobe stays a delta, or weights are
+/// left unmodified.
+std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
+                                      bool is_delta_event, const Regularization& regularization);
+
+/// True if what is seen through this surface is blurred: it has a diffuse lobe, or its alpha is not small.
+/// Only what lies behind such a surface, as seen from the camera, is regularized.
+bool diffuses(const Bsdf& bsdf);
+
+}  // namespace regulus::reference
