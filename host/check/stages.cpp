@@ -197,8 +197,9 @@ class StageChecker {
         point.is_triangle() ? std::abs(dot(ray.direction, point.surface.geometric_normal)) : 1;
     const dvec3 throughput = end.emitted * cosine / (end.point_pdf * end.density.value);
     // At the rim of a spot's cone falloff and density vanish together.
-    const double excused =
-        point.kind == LIGHT_SPOT ? 1e-6 / std::max(end.density.value, 1e-9) * STEP_BOUND : 0;
+    const double excused = point.kind == LIGHT_SPOT ? 1e-6 / std::max(end.density.value, 1e-9) * STEP_BOUND
+                           : point.kind == LIGHT_ENVIRONMENT ? environment_spread(point)
+                                                             : 0;
     const double error =
         std::max({largest(ray.direction - dvec3(path.direction)),
                   largest(ray.origin - dvec3(path.origin)) / (largest(ray.origin) + world.radius()),
@@ -207,6 +208,20 @@ class StageChecker {
       tally.describe(fmt::format("light path {}: direction {} against {}, throughput {} against {}",
                                  path.pixel, text_of(path.direction), text_of(ray.direction),
                                  text_of(path.throughput), text_of(throughput)));
+  }
+
+  /// How far an environment's radiance moves, relative to itself, with the rounding of its direction: much
+  /// beside a bright texel.
+  double environment_spread(const reference::LightPoint& point) const {
+    const dvec3 radiance = emitted(subject_.world, point, -point.direction);
+    double spread = 0;
+    for (int k = 0; k < JITTERS; ++k) {
+      reference::LightPoint other = point;
+      other.direction = normalize(moved(point.direction, 2 * ULP, k));
+      const dvec3 difference = emitted(subject_.world, other, -other.direction) - radiance;
+      spread = std::max(spread, largest(difference) / largest(radiance));
+    }
+    return spread;
   }
 
   /// The reference's step from the device's inputs, moved by jitter >= 0.

@@ -92,8 +92,7 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
 
 void run_check(CLI::App& command, CheckOptions& options) {
   if (options.render.size.empty() && options.path.empty()) options.render.size = DEFAULT_SIZE;
-  scene::Scene scene =
-      scene::load(options.render.scene_file, {options.render.scene_index, options.render.allow_external});
+  scene::Scene scene = scene::load(options.render.scene_file, load_options(options.render));
   apply_scene_settings(command, scene);
   render::RenderSettings settings = resolve_settings(options.render, scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);

@@ -65,8 +65,8 @@ Json materials_json(const scene::Scene& scene) {
 }
 
 Json lights_json(const scene::Scene& scene) {
-  constexpr const char* KIND_NAMES[] = {"triangle", "point", "spot", "directional"};
-  Json lights = {{"triangle", 0}, {"point", 0}, {"spot", 0}, {"directional", 0}};
+  constexpr const char* KIND_NAMES[] = {"triangle", "point", "spot", "directional", "environment"};
+  Json lights = {{"triangle", 0}, {"point", 0}, {"spot", 0}, {"directional", 0}, {"environment", 0}};
   for (const Light& light : scene.lights) {
     Json& count = lights[KIND_NAMES[light.kind]];
     count = count.get<uint64_t>() + 1;
@@ -79,12 +79,15 @@ Json lights_json(const scene::Scene& scene) {
 Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings) {
   const auto bytes = [](const auto& values) { return uint64_t{values.size()} * sizeof(values[0]); };
   const uint64_t pixels = uint64_t{settings.width} * settings.height;
-  Json memory = {{"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
-                 {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
-                 {"materials", bytes(scene.materials)},
-                 {"textures", bytes(scene.textures) + bytes(scene.texels)},
-                 {"lights", bytes(scene.lights) + bytes(scene.light_aliases)},
-                 {"film", pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)}};
+  Json memory = {
+      {"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
+      {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
+      {"materials", bytes(scene.materials)},
+      {"textures", bytes(scene.textures) + bytes(scene.texels)},
+      {"lights", bytes(scene.lights) + bytes(scene.light_aliases)},
+      {"environment",
+       scene.environment ? bytes(scene.environment->texels) + bytes(scene.environment->cdf) : uint64_t{0}},
+      {"film", pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)}};
   uint64_t total = 0;
   for (const Json& part : memory) total += part.get<uint64_t>();
   memory["total"] = total;
@@ -111,7 +114,7 @@ Json stages_json(const scene::Features& features, render::RenderSettings setting
 }
 
 Json inspect(const InspectOptions& options) {
-  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external});
+  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external, {}});
   const render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const scene::Features features = scene::find_features(scene);

@@ -148,7 +148,7 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   Stopwatch stopwatch;
   LoadTimes times;
 
-  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external});
+  scene::Scene scene = scene::load(options.scene_file, load_options(options));
   apply_scene_settings(command, scene);
   const render::RenderSettings settings = resolve_settings(options, scene);
   times.load_seconds = stopwatch.lap();

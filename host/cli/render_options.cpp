@@ -49,9 +49,9 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
                                                         {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
-const std::set<std::string> COMMAND_LINE_ONLY = {"output",         "png",   "stats",   "device", "scene",
-                                                 "allow-external", "quiet", "verbose", "help",   "wave",
-                                                 "backend"};
+const std::set<std::string> COMMAND_LINE_ONLY = {
+    "output",  "png",  "stats", "device",  "scene", "allow-external", "quiet",
+    "verbose", "help", "wave",  "backend", "env",   "env-rotation",   "env-scale"};
 
 glm::uvec2 parse_size(const std::string& text) {
   glm::uvec2 size{0};
@@ -206,6 +206,15 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
+  command.add_option(
+      "--env", options.environment,
+      "Environment light: a latitude-longitude map, OpenEXR or Radiance HDR (default: the scene's)");
+  command
+      .add_option("--env-rotation", options.environment_rotation,
+                  "Turns the environment about +y by this many degrees, counterclockwise seen from above")
+      ->check(CLI::Range(-1e6, 1e6));
+  command.add_option("--env-scale", options.environment_scale, "Factor on the environment's radiance")
+      ->check(CLI::Range(0.0, 1e12));
   command.add_option("--max-depth", settings.max_depth, "Longest path, in edges")
       ->check(CLI::Range(1u, 1024u))
       ->capture_default_str();
@@ -244,6 +253,12 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                    "Let the scene refer to files outside its folder");
   command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
   command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
+}
+
+scene::LoadOptions load_options(const RenderOptions& options) {
+  return {options.scene_index,
+          options.allow_external,
+          {options.environment, options.environment_rotation, options.environment_scale}};
 }
 
 void apply_scene_settings(CLI::App& command, scene::Scene& scene) {

@@ -30,11 +30,16 @@ struct RenderOptions {
   std::optional<double> noise_target;  ///< see render::NoiseEstimate; none: all samples
   std::optional<float> filter_radius;  ///< pixels; none: the filter's own
   std::optional<uint32_t> scene_index;
+  std::string environment;  ///< file; empty: the scene's
+  std::optional<double> environment_rotation, environment_scale;
   bool has_no_sample_limit = false;  ///< render until the time or the noise is reached
   bool allow_external = false;
   bool is_quiet = false, is_verbose = false;
   render::RenderSettings settings;
 };
+
+/// What the options say of loading the scene.
+scene::LoadOptions load_options(const RenderOptions& options);
 
 /// Declares the options on the subcommand. `options` must outlive the parse.
 void declare_render_options(CLI::App& command, RenderOptions& options);

@@ -129,10 +129,13 @@ Attributes string_attributes(const Imf::Header& header) {
   return attributes;
 }
 
-Image decode_exr(const fs::path& path, const uint64_t file_bytes, Attributes* attributes) {
-  // Makes the constructor refuse huge windows before it allocates line buffers for them.
+/// Makes the constructor of input files refuse huge windows before it allocates line buffers for them.
+void limit_image_size() {
   Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
-  Imf::InputFile file(path.c_str());
+}
+
+Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t file_bytes,
+                  Attributes* attributes) {
   const Imf::Header& header = file.header();
   check_window(path, header, file_bytes);
   const Imath::Box2i& window = header.dataWindow();
@@ -180,11 +183,27 @@ Image read_exr(const fs::path& path, Attributes* attributes) {
   const uint64_t file_bytes = fs::file_size(path, error);
   if (error) fail_bad_file(path, fmt::format("cannot be read ({})", error.message()));
   try {
-    return decode_exr(path, file_bytes, attributes);
+    limit_image_size();
+    Imf::InputFile file(path.c_str());
+    return read_pixels(path, file, file_bytes, attributes);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {
     fail_bad_file(path, fmt::format("cannot be read as OpenEXR ({})", problem.what()));
+  }
+}
+
+Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes) {
+  try {
+    limit_image_size();
+    Imf::StdISStream stream;
+    stream.str(std::string(bytes.begin(), bytes.end()));
+    Imf::InputFile file(stream);
+    return read_pixels(name, file, bytes.size(), nullptr);
+  } catch (const Error&) {
+    throw;
+  } catch (const std::exception& problem) {
+    fail_bad_file(name, fmt::format("cannot be read as OpenEXR ({})", problem.what()));
   }
 }
 

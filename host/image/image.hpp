@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -31,6 +32,9 @@ void write_exr(const std::filesystem::path& path, const Image& image, const Attr
 /// image is the data window. String attributes go to `attributes`. @throws regulus::Error (BadFile) naming
 /// the file.
 Image read_exr(const std::filesystem::path& path, Attributes* attributes = nullptr);
+
+/// The same of a file's bytes; `name` stands for it in errors.
+Image decode_exr(const std::string& name, std::span<const unsigned char> bytes);
 
 /// Linear Rec. 709 to linear [0, 1] by the shoulder of Khronos' PBR Neutral tone mapper (2024): colours up to
 /// 0.8 pass unchanged, brighter ones are compressed and turn white. Its toe, which takes the smallest channel

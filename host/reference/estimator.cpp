@@ -170,6 +170,7 @@ void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache*
           emit(merge_vertices(cache->subpaths()[subpath], m, camera, edges), set, sink);
     }
   }
+  if ((set.bits & TECHNIQUE_HIT) != 0) emit(hit_environment(world_, camera), set, sink);
 }
 
 void Estimator::light_sample(const LightSubpath& light, uint32_t index, uint32_t sample,

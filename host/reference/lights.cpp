@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "reference/environment.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -73,18 +74,31 @@ LightPoint sample_light_point(const World& world, uint32_t index, const dvec2& u
   point.kind = light.kind;
   if (point.is_triangle())
     point.surface = world.surface_at(light.triangle, sample_triangle(u));
+  else if (light.kind == LIGHT_ENVIRONMENT)
+    point.direction = sample_environment(*world.scene().environment, u);
+  else if (light.kind == LIGHT_DIRECTIONAL)
+    point.direction = -dvec3(light.direction);
   else
     point.surface.position = light.position;
   return point;
 }
 
+std::optional<LightPoint> environment_point(const World& world, const dvec3& w) {
+  const std::vector<Light>& lights = world.scene().lights;
+  for (uint32_t i = 0; i < lights.size(); ++i)
+    if (lights[i].kind == LIGHT_ENVIRONMENT) return LightPoint{i, LIGHT_ENVIRONMENT, {}, w};
+  return std::nullopt;
+}
+
 std::optional<LightPoint> light_point_at(const Surface& surface) {
   if (surface.light == INVALID_INDEX) return std::nullopt;
-  return LightPoint{surface.light, LIGHT_TRIANGLE, surface};
+  return LightPoint{surface.light, LIGHT_TRIANGLE, surface, {}};
 }
 
 double light_point_pdf(const World& world, const LightPoint& point) {
   const double selection = light_of(world, point).selection_pdf;
+  if (point.kind == LIGHT_ENVIRONMENT)
+    return selection * environment_pdf(*world.scene().environment, point.direction);
   return point.is_triangle() ? selection / point.surface.area : selection;
 }
 
@@ -101,6 +115,8 @@ dvec3 emitted(const World& world, const LightPoint& point, const dvec3& directio
     const bool emits = cosine > 0 || (cosine < 0 && world.emits_from_both_sides(point.surface));
     return emits ? world.emission_at(point.surface) : dvec3(0);
   }
+  if (point.kind == LIGHT_ENVIRONMENT)
+    return environment_radiance(*world.scene().environment, point.direction);
   const dvec3 intensity(light.intensity);
   return light.kind == LIGHT_SPOT ? intensity * spot_falloff(light, dot(direction, dvec3(light.direction)))
                                   : intensity;
@@ -118,6 +134,7 @@ RayDensity emission_density(const World& world, const LightPoint& point, const d
       return {spot_falloff(light, dot(direction, dvec3(light.direction))) /
               (2 * pi * spot_mass(light).total())};
     case LIGHT_DIRECTIONAL:
+    case LIGHT_ENVIRONMENT:
       return {1 / (pi * world.radius() * world.radius()), true};
     default:
       return {1 / (4 * pi)};
@@ -132,9 +149,11 @@ EmissionRay sample_emission(const World& world, const LightPoint& point, const d
       return {point.surface.position, sample_triangle_direction(world, point.surface, u_direction)};
     case LIGHT_SPOT:
       return {point.surface.position, sample_spot_direction(light, u_direction)};
-    case LIGHT_DIRECTIONAL: {
-      const dvec3 direction(light.direction);
-      const dvec3 on_disk = Basis(direction).to_world(dvec3(sample_disk(u_position), -1));
+    case LIGHT_DIRECTIONAL:
+    case LIGHT_ENVIRONMENT: {
+      const dvec3 direction = -point.direction;
+      const dvec2& u = light.kind == LIGHT_DIRECTIONAL ? u_position : u_direction;
+      const dvec3 on_disk = Basis(direction).to_world(dvec3(sample_disk(u), -1));
       return {world.center() + world.radius() * on_disk, direction};
     }
     default:

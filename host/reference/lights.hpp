@@ -10,38 +10,54 @@
 
 namespace regulus::reference {
 
-/// A point of a light: x_0 of a path.
+/// True for kinds of light that are infinitely far away.
+constexpr bool is_distant(uint32_t kind) {
+  return kind == interface::LIGHT_DIRECTIONAL || kind == interface::LIGHT_ENVIRONMENT;
+}
+
+/// True for kinds of light that a camera walk can meet.
+constexpr bool can_be_hit(uint32_t kind) {
+  return kind == interface::LIGHT_TRIANGLE || kind == interface::LIGHT_ENVIRONMENT;
+}
+
+/// A point of a light: x_0 of a path. Of the environment a direction.
 struct LightPoint {
   uint32_t light = interface::INVALID_INDEX;
   uint32_t kind = interface::LIGHT_TRIANGLE;
-  Surface surface;  ///< triangles: all of it; point and spot lights: the position; directional: nothing
+  Surface surface;  ///< triangles: all of it; point and spot lights: the position; distant lights: nothing
+  glm::dvec3 direction{0};  ///< distant lights: unit, towards the light
 
   bool is_triangle() const { return kind == interface::LIGHT_TRIANGLE; }
-  bool is_directional() const { return kind == interface::LIGHT_DIRECTIONAL; }
+  bool is_distant() const { return reference::is_distant(kind); }
 };
 
 /// The light that two uniform numbers choose. The bucket is found in single precision like the device's: it
 /// is a decision, and decisions have to agree. Precondition: the scene has lights.
 uint32_t select_light(const scene::Scene& scene, const glm::dvec2& u);
 
-/// A point of the light: uniform on a triangle, the position of a point or spot light.
+/// A point of the light: uniform on a triangle, the position of a point or spot light, a direction of the
+/// environment.
 LightPoint sample_light_point(const World& world, uint32_t light, const glm::dvec2& u);
 
 /// The point of an emitter that a ray hit. Nothing if the surface is not a light.
 std::optional<LightPoint> light_point_at(const Surface& surface);
 
-/// Density of choosing the point, by selection and sample_light_point(): per square metre for triangles,
-/// discrete for the others. Connections and light walks choose alike (pc = pt of math.md section 1).
+/// The environment as it lies in unit direction `w`. Nothing if it is no light.
+std::optional<LightPoint> environment_point(const World& world, const glm::dvec3& w);
+
+/// Density of choosing the point, by selection and sample_light_point(): per square metre for triangles, per
+/// steradian for the environment, discrete for the others. Connections and light walks choose alike (pc = pt
+/// of math.md section 1).
 double light_point_pdf(const World& world, const LightPoint& point);
 
 /// What the point emits along unit `direction` (away from it): radiance of a triangle (0 from a back face
-/// that does not emit), intensity of a point or spot light, irradiance across the rays of a directional
-/// light.
+/// that does not emit) or the environment, intensity of a point or spot light, irradiance across the rays of
+/// a directional light.
 glm::dvec3 emitted(const World& world, const LightPoint& point, const glm::dvec3& direction);
 
 /// Density with which a light walk leaves the point along `direction`: cosine-weighted for triangles (half on
 /// each side if both emit), uniform for points, in proportion to the falloff for spots, one over the area of
-/// the scene's disk for directional lights.
+/// the scene's disk for distant lights.
 RayDensity emission_density(const World& world, const LightPoint& point, const glm::dvec3& direction);
 
 /// First ray of a light walk.
@@ -50,7 +66,8 @@ struct EmissionRay {
 };
 
 /// Draws it with density emission_density(); `u_direction` serves the lights that have directions to choose,
-/// `u_position` places the ray of a directional light on the scene's disk.
+/// `u_position` places the ray of a directional light on the scene's disk, `u_direction` that of the
+/// environment, whose position was its direction.
 EmissionRay sample_emission(const World& world, const LightPoint& point, const glm::dvec2& u_position,
                             const glm::dvec2& u_direction);
 

@@ -38,7 +38,7 @@ std::optional<ConnectedScattering> raised_between(const Surface& surface, const 
 
 double geometry_term(const Path& path, size_t i) {
   const Edge& edge = path.edges[i];
-  if (i == 0 && path.light.kind == interface::LIGHT_DIRECTIONAL) return edge.cos_camera_end;
+  if (i == 0 && is_distant(path.light.kind)) return edge.cos_camera_end;
   return edge.cos_light_end * edge.cos_camera_end / (edge.distance * edge.distance);
 }
 
@@ -51,6 +51,7 @@ double pdf_from_light(const Path& path, size_t i) {
 double pdf_from_camera(const Path& path, size_t i) {
   const Edge& edge = path.edges[i];
   const RayDensity density = i + 1 == path.length() ? path.camera : RayDensity{path.vertices[i + 1].reverse};
+  if (i == 0 && is_distant(path.light.kind)) return density.value;
   return density.on_surface(edge.cos_light_end, edge.distance);
 }
 

@@ -66,13 +66,14 @@ struct Path {
   size_t length() const { return edges.size(); }
 };
 
-/// G of an edge without the camera's: cos cos / d^2; for directional light, which has no x_0, cos at x_1.
+/// G of an edge without the camera's: cos cos / d^2; for distant light, whose x_0 is a direction, cos at x_1.
 double geometry_term(const Path& path, size_t edge);
 
 /// P_i^->: density per area with which a light walk at x_{i-1} finds x_i; 1 <= i <= K-1.
 double pdf_from_light(const Path& path, size_t i);
 
-/// P_i^<-: density per area with which a camera walk at x_{i+1} finds x_i; 0 <= i <= K-1.
+/// P_i^<-: density per area with which a camera walk at x_{i+1} finds x_i; 0 <= i <= K-1. Of distant light,
+/// per steradian.
 double pdf_from_camera(const Path& path, size_t i);
 
 /// What a connection or merge has at interior vertex x_i. It is regularized if some vertex between it and the

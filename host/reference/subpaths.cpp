@@ -52,12 +52,26 @@ std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& ca
   return sampled;
 }
 
+std::optional<SampledPath> hit_environment(const World& world, const CameraSubpath& camera) {
+  if (!camera.escape) return std::nullopt;
+  const Escape& escape = *camera.escape;
+  const std::optional<LightPoint> point = environment_point(world, escape.direction);
+  if (!point) return std::nullopt;
+  const size_t edges = camera.vertices.size();
+  SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_HIT, 0, escape.survival};
+  set_camera_part(sampled.path, camera, edges);
+  if (edges > 0) sampled.path.vertices[1] = camera.vertices[edges - 1].scattering;
+  sampled.path.edges[0].cos_camera_end = escape.cos_start;
+  sampled.path.light = light_end(world, *point, -escape.direction);
+  if (is_black(sampled.path.light.emitted)) return std::nullopt;
+  return sampled;
+}
+
 std::optional<SampledPath> connect_to_light(const World& world, const LightPoint& point,
                                             const CameraSubpath& camera, size_t edges) {
   const WalkVertex& last = camera.vertices[edges - 1];
-  const bool is_directional = point.is_directional();
-  const dvec3 to_light = is_directional ? -dvec3(world.scene().lights[point.light].direction)
-                                        : point.surface.position - last.surface.position;
+  const bool is_distant = point.is_distant();
+  const dvec3 to_light = is_distant ? point.direction : point.surface.position - last.surface.position;
   const dvec3 w = normalize(to_light);
   SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_NEE, 1, last.survival};
   Path& path = sampled.path;
@@ -67,14 +81,14 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   if (is_black(path.light.emitted * connected_at(path, 1).value)) return std::nullopt;
 
   Edge& edge = path.edges[0];
-  edge.distance = is_directional ? 0 : length(to_light);  // a medium has no far end to measure from
+  edge.distance = is_distant ? 0 : length(to_light);  // a medium has no far end to measure from
   edge.cos_light_end = point.is_triangle() ? cosine(point.surface, w) : 1;
   edge.cos_camera_end = cosine(last.surface, w);
   edge.transmittance =
       world.transmittance(world.medium_towards(last.surface, last.medium, last.w_back, w), edge.distance);
   const bool is_visible =
-      is_directional ? !world.traversal().is_occluded(world.ray_from(last.surface, w))
-                     : world.is_visible(last.surface, point.surface.position, point.surface.triangle);
+      is_distant ? !world.traversal().is_occluded(world.ray_from(last.surface, w))
+                 : world.is_visible(last.surface, point.surface.position, point.surface.triangle);
   if (!is_visible) return std::nullopt;
   return sampled;
 }

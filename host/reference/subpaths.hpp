@@ -20,6 +20,10 @@ struct SampledPath {
 /// The camera walk's vertex after `edges` edges as the path's light. Nothing if it does not emit.
 std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& camera, size_t edges);
 
+/// The camera walk's last ray, if it left the scene, with the environment as the path's light. Nothing if
+/// there is none.
+std::optional<SampledPath> hit_environment(const World& world, const CameraSubpath& camera);
+
 /// The camera walk's vertex after `edges` edges connected to a light point. Like the others, nothing if the
 /// path carries no light; visibility is tested last.
 std::optional<SampledPath> connect_to_light(const World& world, const LightPoint& point,

@@ -57,7 +57,7 @@ Technique connection(const WeighedPath& paths, uint32_t kind, size_t s, double s
 
 Technique hit(const WeighedPath& paths) {
   // No walk arrives at the point of a light that is no surface.
-  return technique(paths, TECHNIQUE_HIT, 0, paths.path.light.kind == LIGHT_TRIANGLE ? 1 : 0, 0, 0);
+  return technique(paths, TECHNIQUE_HIT, 0, can_be_hit(paths.path.light.kind) ? 1 : 0, 0, 0);
 }
 
 Technique merge(const WeighedPath& paths, size_t j, const TechniqueSet& set) {

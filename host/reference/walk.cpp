@@ -173,7 +173,10 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     std::optional<WalkVertex> vertex =
         next_vertex(world, ray, start, state, cos_start, true,
                     Rounding(settings.rounding_pattern, pixel, sample, ROUNDING_CAMERA + bounce));
-    if (!vertex) break;
+    if (!vertex) {
+      subpath.escape = Escape{state.direction, cos_start, state.survival};
+      break;
+    }
     subpath.vertices.push_back(*vertex);
     WalkVertex& reached = subpath.vertices.back();
     if (bounce + 2 > settings.max_depth) break;

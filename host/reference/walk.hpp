@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <vector>
 
 #include "reference/camera.hpp"
@@ -83,6 +84,13 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
 bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
                         const glm::dvec4& u, const Regularization& regularization = {});
 
+/// The last ray of a camera walk that left the scene.
+struct Escape {
+  glm::dvec3 direction;  ///< unit
+  double cos_start;      ///< absolute, at the last vertex; 1 at the lens
+  double survival;       ///< see WalkVertex
+};
+
 /// A walk from the lens: vertices[m - 1] is the vertex after m edges.
 struct CameraSubpath {
   glm::dvec2 film{0};
@@ -90,6 +98,7 @@ struct CameraSubpath {
   RayDensity density;  ///< of the ray, see Path::camera
   Regularization regularization;
   std::vector<WalkVertex> vertices;
+  std::optional<Escape> escape;
 };
 
 /// A walk from a light: vertices[m - 1] is x_m.

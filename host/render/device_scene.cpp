@@ -2,6 +2,16 @@
 
 namespace regulus::render {
 
+namespace {
+
+const scene::Environment NO_ENVIRONMENT;
+
+const scene::Environment& environment_of(const scene::Scene& scene) {
+  return scene.environment ? *scene.environment : NO_ENVIRONMENT;
+}
+
+}  // namespace
+
 DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh)
     : bvh_nodes_(gpu::upload_new(device, bvh.nodes, "bvh nodes")),
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
@@ -14,6 +24,9 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       texels_(gpu::upload_new(device, scene.texels, "texels")),
       lights_(gpu::upload_new(device, scene.lights, "lights")),
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
+      environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
+      environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
+      environment_(environment_of(scene).parameters),
       light_count_(static_cast<uint32_t>(scene.lights.size())),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {}
@@ -31,6 +44,9 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.texels = address(texels_);
   frame.lights = address(lights_);
   frame.light_aliases = address(light_aliases_);
+  frame.environment_texels = address(environment_texels_);
+  frame.environment_cdf = address(environment_cdf_);
+  frame.environment = environment_;
   frame.light_count = light_count_;
   frame.scene_center = center_;
   frame.scene_radius = radius_;

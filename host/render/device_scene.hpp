@@ -16,9 +16,13 @@ class DeviceScene {
   /// Writes the addresses of the arrays, the light count and the bounds into a frame.
   void fill(interface::Frame& frame) const;
 
+  /// True if rays that leave the scene meet light.
+  bool has_environment() const { return environment_.selection_pdf > 0; }
+
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_tangents_, triangles_, materials_,
-      textures_, texels_, lights_, light_aliases_;
+      textures_, texels_, lights_, light_aliases_, environment_texels_, environment_cdf_;
+  interface::Environment environment_;
   uint32_t light_count_;
   glm::vec3 center_;
   float radius_;

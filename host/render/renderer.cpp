@@ -43,11 +43,12 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
   return settings;
 }
 
-uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t total_paths) {
+uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t bytes_each,
+                         uint64_t total_paths) {
   uint64_t paths = settings.wave_paths;
   if (paths == 0) {
     paths = device.info().kind == gpu::DeviceKind::Software ? SOFTWARE_WAVE_PATHS : HARDWARE_WAVE_PATHS;
-    paths = std::min(paths, device.free_bytes() / 2 / bytes_per_path(settings));
+    paths = std::min(paths, device.free_bytes() / 2 / bytes_each);
   }
   const uint64_t group_limit = uint64_t{65535} * WORKGROUP_SIZE;  // groups per dimension, Vulkan's minimum
   paths = std::clamp<uint64_t>(std::min(paths, total_paths), WORKGROUP_SIZE, group_limit);
@@ -60,9 +61,10 @@ struct Renderer::Impl {
   gpu::Device& device;
   RenderSettings settings;
   uint64_t pixels, total_paths;
+  DeviceScene scene;
+  uint64_t path_bytes;
   uint32_t capacity;
   LightVertexPlan plan;
-  DeviceScene scene;
   WavefrontBuffers buffers;
   std::vector<PipelineStep> pipeline;
   Scan scan;
@@ -87,9 +89,11 @@ struct Renderer::Impl {
         settings(render::resolve_settings(scene_in, settings_in)),
         pixels(uint64_t{settings.width} * settings.height),
         total_paths(pixels * settings.samples),
-        capacity(choose_capacity(device, settings, std::max<uint64_t>(total_paths, settings.light_paths))),
-        plan(plan_light_vertices(settings)),
         scene(device, scene_in, bvh),
+        path_bytes(bytes_per_path(settings, scene.has_environment())),
+        capacity(choose_capacity(device, settings, path_bytes,
+                                 std::max<uint64_t>(total_paths, settings.light_paths))),
+        plan(plan_light_vertices(settings)),
         buffers(device, scene,
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
                 settings, capacity),
@@ -107,7 +111,7 @@ struct Renderer::Impl {
     film.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
     film.light_paths_per_iteration = settings.light_paths;
     statistics.wave_capacity = capacity;
-    statistics.bytes_per_path = bytes_per_path(settings);
+    statistics.bytes_per_path = path_bytes;
     wave_paths = settings.wave_paths != 0 ? capacity : std::min(capacity, FIRST_WAVE_PATHS);
   }
 

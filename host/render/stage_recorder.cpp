@@ -84,6 +84,7 @@ struct StageRecorder::Impl {
     device.wait(cleared);
     run(pass, "trace_closest", arguments);
     recorded.hits = download<Hit>(buffers.hits_, paths);
+    run(pass, "escape", arguments);
     run(pass, is_camera ? "camera_bounce" : "light_bounce", arguments);
     recorded.after = download<Path>(buffers.paths_, paths);
     recorded.continuing = ray_queue(arguments.bounce + 1);
@@ -110,6 +111,8 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   Impl& impl = *impl_;
   gpu::CommandList reset(impl.device);
   reset.copy(impl.buffers.empty_heads, 0, impl.buffers.queue_heads, 0, impl.buffers.queue_heads.size());
+  // A light path that carries nothing is not started: its slot stays empty.
+  reset.fill(impl.buffers.paths_, 0, impl.buffers.paths_.size(), 0);
   gpu::Submission submission = impl.device.submit(std::move(reset));
   impl.device.wait(submission);
 

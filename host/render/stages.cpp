@@ -24,9 +24,10 @@ uint32_t rounds_of(const StageStep& step, const WaveCommands& wave) {
 
 uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings) {
   uint32_t techniques = settings.techniques;
-  constexpr uint32_t LIGHTS = FEATURE_TRIANGLE_LIGHTS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
+  constexpr uint32_t EMITTERS = FEATURE_TRIANGLE_LIGHTS | FEATURE_ENVIRONMENT;  // that rays can meet
+  constexpr uint32_t LIGHTS = EMITTERS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
   if ((features.bits & LIGHTS) == 0) techniques &= ~(TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES);
-  if ((features.bits & FEATURE_TRIANGLE_LIGHTS) == 0) techniques &= ~TECHNIQUE_HIT;
+  if ((features.bits & EMITTERS) == 0) techniques &= ~TECHNIQUE_HIT;
   const bool is_regularized = settings.regularization != REGULARIZATION_NONE;
   if (!features.has_connectible_surfaces && !is_regularized)
     techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
@@ -36,6 +37,7 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {
   if ((settings.techniques & step.techniques) == 0) return false;
   if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
+  if (step.needs == Needs::Environment && (features.bits & FEATURE_ENVIRONMENT) == 0) return false;
   return step.material_class == ANY_CLASS || (features.material_classes >> step.material_class & 1) != 0;
 }
 
@@ -55,6 +57,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
                                         {SPEC_REGULARIZATION, settings.regularization},
                                         {SPEC_BOUND, settings.bound},
                                         {SPEC_MIS, settings.mis},
+                                        {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
                                         {SPEC_FILTER, settings.filter},
                                         {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

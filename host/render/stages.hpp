@@ -33,7 +33,7 @@ enum class Extent {
 };
 
 /// When a step is needed at all, beside its technique.
-enum class Needs { Nothing, CacheConnections };
+enum class Needs { Nothing, CacheConnections, Environment };
 
 /// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
 /// queues and need no order between them.
@@ -76,6 +76,7 @@ inline constexpr std::array STAGES = {
 
     StageStep{Pass::Camera, "camera_generate",   "camera_generate",             Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA},
     StageStep{Pass::Camera, "trace_closest",     "trace_closest",               Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera, "escape",            "escape",                      Extent::Bounce,        QUEUE_ESCAPED,               ANY_CLASS,    TECHNIQUE_HIT, Needs::Environment},
     StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.diffuse",       Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      CAMERA},
     StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.opaque",        Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       CAMERA},
     StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.transmissive",  Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, CAMERA},

@@ -58,13 +58,14 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   return plan;
 }
 
-uint64_t bytes_per_path(const RenderSettings& settings) {
+uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
   const LightVertexPlan plan = plan_light_vertices(settings);
   const uint64_t pairs = pairs_per_path(settings);
   uint64_t bytes = sizeof(Path) + sizeof(Hit) + sizeof(vec3) + 2 * sizeof(uint32_t) +
                    MATERIAL_CLASS_COUNT * sizeof(uint32_t) + (1 + pairs) * sizeof(VisibilityCandidate) +
                    MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
   bytes += splats_per_path(settings) * sizeof(SplatCandidate);
+  if (has_environment) bytes += sizeof(uint32_t);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
   if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
@@ -89,12 +90,13 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.light_head_modulus = plan_.is_per_wave ? 0 : settings.light_paths;
   frame_.pair_capacity = static_cast<uint32_t>(capacity * pairs_per_path(settings));
   frame_.cache_connections = settings.cache_connections;
-  create_path_buffers(device, settings);
+  create_path_buffers(device, settings, scene.has_environment());
   create_light_buffers(device, settings);
   frame_buffer_ = gpu::upload_new(device, std::vector<Frame>{frame_}, "frame");
 }
 
-void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSettings& settings) {
+void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSettings& settings,
+                                           bool has_environment) {
   const auto per_path = [&](uint64_t bytes, const char* name, DeviceAddress& target) {
     gpu::Buffer buffer = device.create_buffer(frame_.wave_capacity * bytes, name);
     target = address(buffer);
@@ -110,6 +112,7 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
       per_path((1 + pairs) * sizeof(VisibilityCandidate), "visibility candidates", frame_.candidates);
   pairs_ = per_path(MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair), "connection pairs", frame_.pairs);
   splats_ = per_path(splats_per_path(settings) * sizeof(SplatCandidate), "splats", frame_.splats);
+  if (has_environment) escaped_ = per_path(sizeof(uint32_t), "escaped paths", frame_.escaped);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
   if (plan_.has_vertices)

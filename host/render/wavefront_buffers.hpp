@@ -24,7 +24,7 @@ struct LightVertexPlan {
 LightVertexPlan plan_light_vertices(const RenderSettings& settings);
 
 /// Device bytes of one path slot, over all queues.
-uint64_t bytes_per_path(const RenderSettings& settings);
+uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment);
 
 class WavefrontBuffers {
  public:
@@ -51,14 +51,14 @@ class WavefrontBuffers {
 
  private:
   friend class StageRecorder;  // reads the queues between stages
-  void create_path_buffers(gpu::Device& device, const RenderSettings& settings);
+  void create_path_buffers(gpu::Device& device, const RenderSettings& settings, bool has_environment);
   void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
 
   LightVertexPlan plan_;
   interface::Frame frame_ {};
   gpu::Buffer frame_buffer_;
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
-      pairs_;
+      pairs_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_,
       light_vertex_sharp_;
 };

@@ -66,6 +66,9 @@ uint32_t light_features(const Scene& scene, const interface::Light& light) {
     const bool is_two_sided = (scene.materials[light.material].flags & interface::MATERIAL_DOUBLE_SIDED) != 0;
     return interface::FEATURE_TRIANGLE_LIGHTS | (is_two_sided ? interface::FEATURE_TWO_SIDED_LIGHTS : 0u);
   }
+  if (light.kind == interface::LIGHT_ENVIRONMENT)
+    return interface::FEATURE_ENVIRONMENT |
+           (scene.environment->is_map() ? interface::FEATURE_ENVIRONMENT_MAP : 0u);
   if (light.kind == interface::LIGHT_DIRECTIONAL) return interface::FEATURE_DIRECTIONAL_LIGHTS;
   return interface::FEATURE_POINT_LIGHTS;
 }
@@ -97,7 +100,10 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_SMOOTH_NORMALS, "smooth_normals", "interpolation of vertex normals"},
       FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"},
       FeatureDescription{FEATURE_VERTEX_COLORS, "vertex_colors", "colours of vertices"},
-      FeatureDescription{FEATURE_NORMAL_MAPS, "normal_maps", "tangents and normal maps"}};
+      FeatureDescription{FEATURE_NORMAL_MAPS, "normal_maps", "tangents and normal maps"},
+      FeatureDescription{FEATURE_ENVIRONMENT, "environment",
+                         "what rays that leave the scene meet, its sampling and its weight"},
+      FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"}};
   return DESCRIPTIONS;
 }
 

@@ -115,7 +115,8 @@ Bytes Files::read_file(const fs::path& path, const std::string& element) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) refuse("no such file; check the path");
-  if (!fs::is_regular_file(status)) refuse("not a file; name a .gltf or .glb file");
+  if (!fs::is_regular_file(status))
+    refuse(element.empty() ? "not a file; name a .gltf or .glb file" : "not a file; name one");
   std::ifstream stream(path, std::ios::binary);
   if (!stream) refuse("cannot be opened; check its permissions");
   const uint64_t size = fs::file_size(path, error);

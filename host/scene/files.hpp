@@ -27,6 +27,9 @@ class Files {
   /// @throws Error if the URI is malformed, remote, outside the folder, or cannot be read.
   Bytes read_uri(const std::string& uri, const std::string& element);
 
+  /// A file wherever it lies. @throws Error naming `element`, if it is not empty, and what is wrong.
+  Bytes read_file(const std::filesystem::path& path, const std::string& element);
+
   /// FNV-1a (64 bit) of all bytes read so far, in the order of reading.
   uint64_t hash() const { return hash_; }
 
@@ -34,7 +37,6 @@ class Files {
 
  private:
   std::filesystem::path resolve(const std::string& uri, const std::string& element) const;
-  Bytes read_file(const std::filesystem::path& path, const std::string& element);
   void add_to_hash(const Bytes& bytes);
 
   std::filesystem::path scene_file_;

@@ -17,11 +17,6 @@ constexpr uint64_t MAX_BLOCKS = 1024;  // looked at per triangle; beyond, the wh
 // A triangle whose samples miss its bright texels is still chosen with this share of its brightest texel.
 constexpr double MIN_SHARE_OF_BRIGHTEST = 1e-3;
 
-/// Rec. 709 luminance of linear RGB.
-double luminance(const glm::dvec3& color) {
-  return 0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b;
-}
-
 /// Average over the triangle at points of the R2 sequence (Roberts 2018), which no regular pattern aliases
 /// with.
 glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture,
@@ -63,11 +58,19 @@ double spot_solid_angle(const interface::Light& light) {
 
 }  // namespace
 
+double luminance(const glm::dvec3& color) {
+  return 0.2126 * color.r + 0.7152 * color.g + 0.0722 * color.b;
+}
+
 double punctual_power(const interface::Light& light, double scene_radius) {
   const double intensity = luminance(glm::dvec3(light.intensity));
   if (light.kind == interface::LIGHT_POINT) return 4 * PI * intensity;
   if (light.kind == interface::LIGHT_SPOT) return spot_solid_angle(light) * intensity;
   return PI * scene_radius * scene_radius * intensity;
+}
+
+double environment_power(const Environment& environment, double scene_radius) {
+  return PI * scene_radius * scene_radius * environment.integral;
 }
 
 double triangle_area(const Scene& scene, const interface::Triangle& triangle) {

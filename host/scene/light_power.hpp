@@ -9,9 +9,15 @@
 
 namespace regulus::scene {
 
+/// Rec. 709 luminance of linear RGB.
+double luminance(const glm::dvec3& color);
+
 /// Radiant flux of a punctual light, as luminance: W for radiometric units. Directional lights: the flux
 /// through the scene's bounding sphere.
 double punctual_power(const interface::Light& light, double scene_radius);
+
+/// Flux of the environment through the scene's bounding sphere, summed over directions.
+double environment_power(const Environment& environment, double scene_radius);
 
 /// Flux of emissive triangles.
 class TrianglePower {

@@ -19,11 +19,13 @@ class LightList {
     return static_cast<uint32_t>(lights_.size() - 1);
   }
 
+  bool is_empty() const { return lights_.empty(); }
+
   void move_to(Scene& scene) {
     scene.lights = std::move(lights_);
     scene.light_aliases.clear();
     if (scene.lights.empty()) {
-      scene.warnings.emplace_back("the scene has no light");
+      scene.warnings.emplace_back("the scene has no light: the picture will be black");
       return;
     }
     scene.light_aliases = make_alias_table(powers_);
@@ -46,13 +48,25 @@ interface::Light triangle_light(const Scene& scene, uint32_t index, double area)
   return light;
 }
 
+// Light from everywhere: what is left of a light's fields does not apply.
+interface::Light environment_light() {
+  interface::Light light {};
+  light.kind = interface::LIGHT_ENVIRONMENT;
+  light.triangle = light.material = interface::INVALID_INDEX;
+  return light;
+}
+
+bool is_punctual(const interface::Light& light) {
+  return light.kind != interface::LIGHT_TRIANGLE && light.kind != interface::LIGHT_ENVIRONMENT;
+}
+
 }  // namespace
 
 void build_lights(Scene& scene) {
   LightList list;
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   for (const interface::Light& light : scene.lights)
-    if (light.kind != interface::LIGHT_TRIANGLE) list.add(light, punctual_power(light, scene_radius));
+    if (is_punctual(light)) list.add(light, punctual_power(light, scene_radius));
   TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];
@@ -61,7 +75,16 @@ void build_lights(Scene& scene) {
     const double area = triangle_area(scene, triangle);
     triangle.light = list.add(triangle_light(scene, i, area), triangle_power(triangle, area));
   }
+  if (list.is_empty() && !scene.environment) {
+    scene.warnings.emplace_back("the scene has no light: a dim uniform environment lights it");
+    scene.environment = uniform_environment(glm::vec3(DIM_RADIANCE));
+  }
+  uint32_t environment = interface::INVALID_INDEX;
+  if (scene.environment)
+    environment = list.add(environment_light(), environment_power(*scene.environment, scene_radius));
   list.move_to(scene);
+  if (environment != interface::INVALID_INDEX)
+    scene.environment->parameters.selection_pdf = scene.lights[environment].selection_pdf;
 }
 
 }  // namespace regulus::scene

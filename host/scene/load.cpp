@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "scene/document.hpp"
+#include "scene/environment_file.hpp"
 #include "scene/geometry.hpp"
 #include "scene/instancing.hpp"
 #include "scene/material.hpp"
@@ -43,11 +44,17 @@ void read_resolution(Document& document, Scene& scene) {
   scene.resolution = glm::uvec2((*resolution)[0].get<uint32_t>(), (*resolution)[1].get<uint32_t>());
 }
 
+/// scenes[].extras.regulus; null if there is none.
+const json* regulus_extras(const Document& document, const std::optional<size_t>& scene_index) {
+  if (!scene_index) return nullptr;
+  return object_member(object_member(&document.json["scenes"][*scene_index], "extras"), "regulus");
+}
+
 void read_settings(Document& document, size_t scene_index, Scene& scene) {
-  const json& source = document.json["scenes"][scene_index];
-  const json* settings = object_member(object_member(&source, "extras"), "regulus");
+  const json* settings = regulus_extras(document, scene_index);
   if (settings == nullptr || !settings->is_object()) return;
   for (const auto& [name, value] : settings->items()) {
+    if (name == "environment") continue;  // no option but part of the scene
     if (value.is_string())
       scene.settings[name] = value.get<std::string>();
     else if (value.is_number() || value.is_boolean())
@@ -96,6 +103,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
   read_resolution(document, scene);
   if (scene_index) read_settings(document, *scene_index, scene);
+  scene.environment = read_environment(
+      document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
   scene.warnings = document.warnings;
   scene.hash = document.files.hash();
   return scene;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "interface/scene.h"
+#include "scene/environment.hpp"
 
 namespace regulus::scene {
 
@@ -50,6 +51,7 @@ struct Scene {
   std::vector<uint32_t> texels;          ///< two words per texel, see interface::Texture
   std::vector<interface::Light> lights;  ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
+  std::optional<Environment> environment;
   std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
   std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
@@ -59,9 +61,17 @@ struct Scene {
   uint64_t hash = 0;  ///< of the file's bytes and everything it refers to
 };
 
+/// What a command line says of the environment; it wins over the scene.
+struct EnvironmentOptions {
+  std::filesystem::path file{};    ///< OpenEXR or Radiance, wherever it lies; empty: what the scene says
+  std::optional<double> rotation;  ///< degrees about +y, counterclockwise seen from above
+  std::optional<double> scale;     ///< factor on the radiance, >= 0
+};
+
 struct LoadOptions {
   std::optional<uint32_t> scene;  ///< index; empty: the file's default scene
   bool allow_external = false;    ///< URIs outside the scene's folder
+  EnvironmentOptions environment{};
 };
 
 /// Reads a .gltf or .glb file.
@@ -72,8 +82,9 @@ Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 /// build_lights.
 void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 
-/// Appends a light per emissive triangle to the punctual lights, fills selection probabilities in
-/// proportion to power, the alias table, and Triangle::light.
+/// Appends a light per emissive triangle and the environment to the punctual lights, fills selection
+/// probabilities in proportion to power, the alias table, and Triangle::light. A scene without any light and
+/// without an environment gets a dim uniform one, with a warning.
 void build_lights(Scene& scene);
 
 /// The camera for a film of width x height pixels. The vertical field of view is kept; a film wider or

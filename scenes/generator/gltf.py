@@ -150,6 +150,10 @@ class Gltf:
         up = (0.0, 1.0, 0.0) if abs(direction[1]) < 0.9 * length(direction) else (1.0, 0.0, 0.0)
         return self._root({"name": "light", "matrix": look_at((0.0, 0.0, 0.0), direction, up), "extensions": light})
 
+    def environment(self, radiance):
+        """The same radiance from all directions; an extra of ours."""
+        self._json["scenes"][0]["extras"]["regulus"]["environment"] = {"color": list(radiance)}
+
     def _light(self, light):
         """Adds a light; returns the extension of a node that refers to it."""
         self._used_extensions.add("KHR_lights_punctual")

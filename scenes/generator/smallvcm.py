@@ -1,8 +1,8 @@
 """The Cornell scenes of SmallVCM (Davidovic and Georgiev, 2012), rebuilt: a box with a glossy floor that is open at the
-front, with two small spheres (mirror, glass) or one large mirror sphere, under a sun, an area light or a point light.
+front, with two small spheres (mirror, glass) or one large mirror sphere, under a sun, an area light, a point light or the
+sky.
 Measures are that program's, with y up; spheres are tessellated, and its Phong floor (diffuse 0.1, glossy 0.7, exponent 90)
-is a metal of reflectance 0.7 and the microfacet roughness of equal width, alpha^2 = 2 / (90 + 2). Its fourth scene needs a
-constant environment."""
+is a metal of reflectance 0.7 and the microfacet roughness of equal width, alpha^2 = 2 / (90 + 2)."""
 import math
 
 from .gltf import Gltf
@@ -21,6 +21,7 @@ FIELD_OF_VIEW = math.radians(45.0)
 SUN_DIRECTION, SUN = (-1.0, -1.0, -1.5), (10.0, 4.0, 0.0)  # the way it shines; W/m^2
 POINT_LIGHT, POINT_INTENSITY = (0.0, 1.0, 0.5), 70.0 / (4.0 * math.pi)
 PANEL_HALF, PANEL_RADIANCE = 0.25, 25.03329895614464
+SKY = (135 / 255, 206 / 255, 250 / 255)  # radiance from all directions
 
 
 def box(scene):
@@ -63,6 +64,7 @@ VARIANTS = {
     "ceiling": ("large mirror sphere, ceiling light", large_sphere, ceiling_panel),
     "point": ("two small spheres, point light", small_spheres,
               lambda scene: scene.point_light(POINT_LIGHT, POINT_INTENSITY)),
+    "background": ("two small spheres, constant environment", small_spheres, lambda scene: scene.environment(SKY)),
 }
 
 

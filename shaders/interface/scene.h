@@ -85,6 +85,7 @@ REGULUS_CONSTANT LIGHT_TRIANGLE = 0u;
 REGULUS_CONSTANT LIGHT_POINT = 1u;
 REGULUS_CONSTANT LIGHT_SPOT = 2u;
 REGULUS_CONSTANT LIGHT_DIRECTIONAL = 3u;
+REGULUS_CONSTANT LIGHT_ENVIRONMENT = 4u;  // the scene's Environment; one at most
 
 // One entry of the light list.
 struct Light {
@@ -100,6 +101,23 @@ struct Light {
   float area;               // LIGHT_TRIANGLE: m^2
 };
 REGULUS_LAYOUT(Light, 64);
+
+// Light from infinitely far away in all directions: the same radiance everywhere, or a latitude-longitude map. The
+// map's column x and row y, continuous, in texels, stand for the direction (sin(theta) cos(phi), cos(theta),
+// sin(theta) sin(phi)) with theta = pi y / height and phi / 2 pi = x / width - 1/2 - rotation: the top row is +y, the
+// middle column +x, and to its right lies +z (as three.js, and Blender's worlds after its glTF export). Texels are
+// radiance, bilinearly interpolated between their centres, around in x and up to the last row in y.
+// A direction is drawn by cells of one texel each: the row by a cumulative distribution of height + 1 entries, then the
+// column by that row's, one of width + 1 entries; all rows' follow each other behind the first. Within a cell x and y are
+// uniform.
+struct Environment {
+  vec3 radiance;        // of all directions, if there is no map
+  float selection_pdf;  // of its light
+  uint width, height;   // of the map; 0: there is none
+  float rotation;       // turns about +y, counterclockwise seen from above, [0, 1)
+  uint reserved;
+};
+REGULUS_LAYOUT(Environment, 32);
 
 // One bucket of the alias table over lights (Walker, Vose): bucket i is drawn uniformly, then light i with
 // probability `threshold`, else light `alias`.

@@ -22,6 +22,10 @@ REGULUS_CONSTANT SPEC_SAMPLER = 7u;         // SAMPLER_*
 REGULUS_CONSTANT SPEC_REGULARIZATION = 8u;  // REGULARIZATION_* bits
 REGULUS_CONSTANT SPEC_BOUND = 9u;           // BOUND_*
 REGULUS_CONSTANT SPEC_MIS = 10u;             // MIS_*
+REGULUS_CONSTANT SPEC_WALK = 11u;            // WALK_*: whose paths the stage moves
+
+REGULUS_CONSTANT WALK_CAMERA = 0u;
+REGULUS_CONSTANT WALK_LIGHT = 1u;
 
 REGULUS_CONSTANT NDF_GGX = 0u;
 REGULUS_CONSTANT NDF_BECKMANN = 1u;
@@ -61,6 +65,8 @@ REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals di
 REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
 REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
+REGULUS_CONSTANT FEATURE_ENVIRONMENT = 1024u;      // light from all directions
+REGULUS_CONSTANT FEATURE_ENVIRONMENT_MAP = 2048u;  // that differs between them
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -73,12 +79,13 @@ REGULUS_CONSTANT TECHNIQUE_MERGE = 16u;
 // others once per bounce: block index = DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + k.
 REGULUS_CONSTANT DIMENSION_BLOCK_CAMERA = 0u;         // film x, film y, lens u, lens v
 REGULUS_CONSTANT DIMENSION_BLOCKS_FIRST = 1u;
-REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT = 0u;          // light, alias, position u, position v
+REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT = 0u;          // light, alias, position u, position v (environment: direction)
 REGULUS_CONSTANT DIMENSION_BLOCK_BSDF = 1u;           // lobe, direction u, direction v, roulette
 REGULUS_CONSTANT DIMENSION_BLOCKS_PER_BOUNCE = 2u;
 // Light path k of iteration i draws random_block(seed, k, i, block): blocks of its own, beyond every bounce's.
 REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION = 1u << 16;  // light, alias, position u, position v
-REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION_DIRECTION = DIMENSION_BLOCK_EMISSION + 1u;  // direction u, v, unused
+// direction u, v (environment: place on the scene's disk), lens u, v
+REGULUS_CONSTANT DIMENSION_BLOCK_EMISSION_DIRECTION = DIMENSION_BLOCK_EMISSION + 1u;
 REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT_BSDF = DIMENSION_BLOCK_EMISSION + 2u;  // + bounce: as DIMENSION_BLOCK_BSDF
 REGULUS_CONSTANT DIMENSION_BLOCK_SPLAT = DIMENSION_BLOCK_EMISSION + 4096u;  // + edges: lens u, lens v, unused
 // Connections to the cache draw one number each: block + bounce * 256 + k / 4.
@@ -180,7 +187,8 @@ REGULUS_CONSTANT QUEUE_VISIBILITY = 1u;  // candidates
 REGULUS_CONSTANT QUEUE_BOUNCE = 2u;      // + material class: path slots that hit it
 REGULUS_CONSTANT QUEUE_PAIRS = 5u;       // + the more general of the two vertices' classes: connection pairs
 REGULUS_CONSTANT QUEUE_SPLATS = 8u;      // splat candidates
-REGULUS_CONSTANT QUEUES_PER_BOUNCE = 9u;
+REGULUS_CONSTANT QUEUE_ESCAPED = 9u;     // path slots whose ray hit nothing
+REGULUS_CONSTANT QUEUES_PER_BOUNCE = 10u;
 
 // Film: per pixel three channels of three words, a fixed-point sum in units of 2^-FILM_FRACTION_BITS.
 REGULUS_CONSTANT FILM_WORDS_PER_PIXEL = 9u;
@@ -223,6 +231,10 @@ struct Frame {
   // Only with regularization: accumulators (A, B) for a camera that sees the vertex sharply (lib/mis.glsl).
   DeviceAddress light_path_sharp;    // vec2 per path slot
   DeviceAddress light_vertex_sharp;  // vec2 per light vertex
+  // Only with an environment light.
+  DeviceAddress escaped;             // path slots
+  DeviceAddress environment_texels;  // vec3, row by row; only with a map
+  DeviceAddress environment_cdf;     // see Environment; only with a map
   uint width, height;
   uint light_count;
   uint seed;
@@ -233,6 +245,7 @@ struct Frame {
   vec3 scene_center;
   float scene_radius;   // m, of the bounding sphere
   Camera camera;
+  Environment environment;
   uint light_path_count;       // per iteration: N
   uint light_head_modulus;     // pixel p connects to light path p modulo this; 0: to the one of its own slot
   uint light_vertex_capacity;
@@ -243,7 +256,7 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
 };
-REGULUS_LAYOUT(Frame, 408);
+REGULUS_LAYOUT(Frame, 464);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -41,7 +41,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
   VisibilityCandidate candidate = visibility_segment(point, light.wi, light.target);
-  if (light.is_directional) {
+  if (light.is_distant) {
     candidate.direction = light.wi;
     candidate.t_max = 3.4e38;
   }

@@ -1,8 +1,9 @@
 // Light selection and sampling as seen from a surface point: emissive triangles, point, spot and
-// directional lights. Radiometry as in glTF: candela and lux are taken as W/sr and W/m^2.
+// directional lights, the environment. Radiometry as in glTF: candela and lux are taken as W/sr and W/m^2.
 #ifndef REGULUS_LIB_LIGHT_GLSL
 #define REGULUS_LIB_LIGHT_GLSL
 
+#include "lib/environment.glsl"
 #include "lib/geometry.glsl"
 #include "lib/sampling.glsl"
 #include "lib/texture.glsl"
@@ -10,11 +11,11 @@
 // A light as sampled for next-event estimation from a point.
 struct LightSample {
   vec3 wi;        // unit, towards the light
-  vec3 target;    // end point of the shadow segment, already off the light's surface (not for directional)
-  bool is_directional;
+  vec3 target;    // end point of the shadow segment, already off the light's surface (not for distant lights)
+  bool is_distant;  // directional or environment: the shadow ray has no end, and no medium attenuates it
   float distance;
   vec3 radiance;  // incident, times the factors that make radiance / pdf an estimate of the irradiance integral
-  float pdf;      // solid angle for triangles; discrete for point, spot and directional lights
+  float pdf;      // solid angle for triangles and the environment; discrete for point, spot and directional lights
   float emission_ratio;  // area pdf of the surface point when the light emits towards it, without the cosine there,
                          // times p_trace / p_connect of the light point (math.md 3.2)
   bool is_delta;
@@ -26,6 +27,11 @@ uint select_light(DeviceAddress aliases, uint light_count, vec2 u) {
   uint bucket = min(uint(u.x * float(light_count)), light_count - 1u);
   LightAlias entry = LOAD(LightAliasBuffer, aliases, bucket);
   return u.y < entry.threshold ? bucket : entry.alias;
+}
+
+bool is_environment(Light light) {
+  const bool has_others = (spec_features & (FEATURE_TRIANGLE_LIGHTS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
+  return (spec_features & FEATURE_ENVIRONMENT) != 0u && (!has_others || light.kind == LIGHT_ENVIRONMENT);
 }
 
 // Solid-angle pdf of reaching, by light sampling, a point of an emissive triangle seen along a ray of length
@@ -80,7 +86,21 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
   result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);
   result.emission_ratio = emission_pdf / max(square(result.distance), 1e-30);
-  result.is_directional = false;
+  result.is_distant = false;
+  result.is_delta = false;
+  return result;
+}
+
+LightSample sample_environment_light(Frame frame, vec3 from, vec2 u) {
+  EnvironmentSample environment = sample_environment(frame, u);
+  LightSample result;
+  result.wi = environment.direction;
+  result.target = from;
+  result.is_distant = true;
+  result.distance = 0.0;
+  result.radiance = environment.radiance;
+  result.pdf = environment.pdf;
+  result.emission_ratio = INV_PI / square(frame.scene_radius);
   result.is_delta = false;
   return result;
 }
@@ -89,8 +109,8 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   LightSample result;
   result.is_delta = true;
   result.pdf = light.selection_pdf;
-  result.is_directional = light.kind == LIGHT_DIRECTIONAL;
-  if (result.is_directional) {
+  result.is_distant = light.kind == LIGHT_DIRECTIONAL;
+  if (result.is_distant) {
     result.wi = -light.direction;
     result.radiance = light.intensity;
     result.distance = 0.0;
@@ -118,6 +138,7 @@ LightSample sample_light(Frame frame, vec3 from, vec4 u) {
   Light light = LOAD(LightBuffer, frame.lights, select_light(frame.light_aliases, frame.light_count, u.xy));
   const bool has_triangles = (spec_features & FEATURE_TRIANGLE_LIGHTS) != 0u;
   const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
+  if (is_environment(light)) return sample_environment_light(frame, from, u.zw);
   if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
     return sample_triangle_light(frame, light, from, u.zw);
   return sample_punctual_light(frame, light, from);

@@ -73,6 +73,21 @@ vec2 cos_sin_turns(float u) {
   return (q & 2u) != 0u ? -turned : turned;
 }
 
+// Angle of the point (x, y) in turns, in [-1/2, 1/2], absolute error below 5e-8; 0 at the origin. The polynomial is that
+// of Cephes' atanf (Moshier).
+float atan2_turns(float y, float x) {
+  float larger = max(abs(x), abs(y));
+  float t = larger > 0.0 ? min(abs(x), abs(y)) / larger : 0.0;
+  bool is_upper = t > 0.41421356;  // tan(pi/8)
+  float r = is_upper ? (t - 1.0) / (t + 1.0) : t;
+  float z = r * r;
+  float angle = r + r * z * (-3.33329491539e-1 + z * (1.99777106478e-1 + z * (-1.38776856032e-1 + z * 8.05374449538e-2)));
+  float turns = (0.5 * INV_PI) * angle + (is_upper ? 0.125 : 0.0);
+  if (abs(y) > abs(x)) turns = 0.25 - turns;
+  if (x < 0.0) turns = 0.5 - turns;
+  return y < 0.0 ? -turns : turns;
+}
+
 // e^(x^2) erfc(x) for x >= 0; times e^(-x^2) the absolute error is below 5e-7. The form of Abramowitz and
 // Stegun 7.1.26.
 float erfc_scaled(float x) {

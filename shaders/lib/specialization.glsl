@@ -15,5 +15,6 @@ layout(constant_id = SPEC_SAMPLER) const uint spec_sampler = SAMPLER_SOBOL;
 layout(constant_id = SPEC_REGULARIZATION) const uint spec_regularization = REGULARIZATION_NONE;
 layout(constant_id = SPEC_BOUND) const uint spec_bound = BOUND_PEAK;
 layout(constant_id = SPEC_MIS) const uint spec_mis = MIS_BLENDED;
+layout(constant_id = SPEC_WALK) const uint spec_walk = WALK_CAMERA;
 
 #endif

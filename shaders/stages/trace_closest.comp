@@ -1,9 +1,17 @@
-// trace_closest: finds what each queued ray hits first and hands the path to the queue of that material class.
-// reads  ray queue, paths          writes  hits, bounce queues
+// trace_closest: finds what each queued ray hits first and hands the path to the queue of that material class, or, if a
+// camera ray meets nothing but the environment, to the queue of those.
+// reads  ray queue, paths          writes  hits, bounce queues, escaped paths
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/stage.glsl"
 #include "lib/traversal.glsl"
+
+bool meets_environment() {
+  // One by one: glslang 12.0 writes invalid SPIR-V for the conjunction of three such constants.
+  if ((spec_features & FEATURE_ENVIRONMENT) == 0u) return false;
+  if ((spec_techniques & TECHNIQUE_HIT) == 0u) return false;
+  return spec_walk == WALK_CAMERA;
+}
 
 void main() {
   uint i = item_index();
@@ -13,7 +21,13 @@ void main() {
   uint tag;
   Hit hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, path.origin, path.direction, 3.4e38, tag);
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
-  if (hit.triangle == INVALID_INDEX) return;
+  if (hit.triangle == INVALID_INDEX) {
+    if (meets_environment()) {
+      uint escaped = queue_reserve(queue_head(QUEUE_ESCAPED));
+      STORE(WordBuffer, FRAME.escaped, escaped, slot);
+    }
+    return;
+  }
   STORE(HitBuffer, FRAME.hits, slot, hit);
   uint material_class = tag & 0xFFu;
   uint index = queue_reserve(queue_head(QUEUE_BOUNCE + material_class));

@@ -20,8 +20,9 @@ using render::Recording;
 /// A scene with everything that a check needs.
 class Checked {
  public:
-  explicit Checked(const char* scene)
-      : prepared_(prepare(own_scenes() / scene)),
+  explicit Checked(const char* scene) : Checked(prepare(own_scenes() / scene)) {}
+  explicit Checked(PreparedScene prepared)
+      : prepared_(std::move(prepared)),
         world_(prepared_.scene, prepared_.bvh),
         recorder_(*device(), prepared_.scene, prepared_.bvh, settings(), SIZE * SIZE),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
@@ -64,8 +65,7 @@ class DeviceStages : public testing::TestWithParam<const char*> {
   void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
 };
 
-TEST_P(DeviceStages, AgreeWithTheReference) {
-  Checked checked(GetParam());
+void expect_agreement(Checked& checked) {
   std::printf("%s\n", Tally::header().c_str());
   const auto expect_all = [](const std::vector<Tally>& tallies) {
     for (const Tally& tally : tallies) {
@@ -79,9 +79,32 @@ TEST_P(DeviceStages, AgreeWithTheReference) {
   expect_all(checked.check(Pass::Light, checked.record(Pass::Light)));
 }
 
+TEST_P(DeviceStages, AgreeWithTheReference) {
+  Checked checked(GetParam());
+  expect_agreement(checked);
+}
+
+// An environment map beside a lamp: directions out of its distribution, and what rays that leave the scene
+// meet.
+TEST(DeviceStagesEnvironment, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  GltfScene scene;
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
+  scene.add(box({-0.6, 0, -0.4}, {-0.1, 0.7, 0.1}), plastic({0.3, 0.6, 0.4}, 0.5));
+  scene.add(box({0.2, 0.1, -0.2}, {0.6, 0.5, 0.2}), glass(1.5, 0, {0.5, 0.7, 0.9}));
+  scene.add({quad({-0.3, 1, 0.3}, {0.6, 0, 0}, {0, 0.1, -0.6})}, emitter({2, 2, 1}, true));
+  scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.9);
+  image::Image sky{32, 16, {}};
+  for (uint32_t i = 0; i < 32 * 16; ++i)
+    for (const float channel : {0.2F, 0.4F, 0.8F})
+      sky.rgb.push_back(i == 5 * 32 + 20 ? 50 : i < 256 ? channel * static_cast<float>(i % 7) : 0);
+  Checked checked(prepare(scene, sky, 40));
+  expect_agreement(checked);
+}
+
 INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,
                          testing::Values("cornell/cornell.gltf", "plates/plates.gltf",
-                                         "furnace/furnace-point.gltf"));
+                                         "furnace/furnace-point.gltf", "smallvcm/smallvcm-background.gltf"));
 
 struct Fault {
   const char* name;

@@ -65,6 +65,15 @@ std::vector<Case> cases() {
   smooth_glass.add({ceiling_panel()}, emitter({8, 8, 8}));
   smooth_glass.add(box({-0.6, -0.9, -0.6}, {0.5, -0.2, 0}), glass(1.5));
   all.back().is_clear_glass = true;
+
+  GltfScene court;
+  const Polygons walls = turned(box({-1, -1, -1}, {1, 1, 1}));
+  for (const size_t wall : {0u, 1u, 2u, 4u, 5u}) court.add({walls[wall]}, lambert({0.7, 0.5, 0.3}));
+  court.add(box({-0.6, -1, -0.6}, {0.1, -0.4, 0}), plastic({0.2, 0.6, 0.8}, 0.4));
+  court.add({ceiling_panel()}, emitter({2, 2, 2}));
+  court.set_perspective(look_at({0, 0.1, 0.95}, {0, -0.3, -1}), 1.2);
+  court.set_setting("environment", {{"color", {0.5, 1, 1.5}}});
+  all.push_back({"court under the sky and a lamp", court});
   return all;
 }
 

@@ -114,11 +114,37 @@ TEST(SceneLights, LightsWithoutPowerAreLeftOut) {
   Gltf file;
   file.triangle_of(emitter(0));
   file.light({{"type", "point"}, {"intensity", 0}});
-  const Scene scene = load_with_lights(file);
+  Scene scene = file.load();
+  scene.environment = uniform_environment(glm::vec3(0));
+  build_lights(scene);
   EXPECT_TRUE(scene.lights.empty());
   EXPECT_TRUE(scene.light_aliases.empty());
   EXPECT_EQ(scene.triangles[0].light, interface::INVALID_INDEX);
   EXPECT_TRUE(has_warning(scene, "no light"));
+}
+
+TEST(SceneLights, AnUnlitSceneGetsADimEnvironment) {
+  Gltf file;
+  file.triangle_of(emitter(0));
+  Scene scene = load_with_lights(file);
+  ASSERT_EQ(scene.lights.size(), 1u);
+  EXPECT_EQ(scene.lights[0].kind, interface::LIGHT_ENVIRONMENT);
+  EXPECT_EQ(scene.environment->parameters.radiance, glm::vec3(DIM_RADIANCE));
+  EXPECT_EQ(scene.environment->parameters.selection_pdf, 1);
+  EXPECT_TRUE(has_warning(scene, "no light"));
+  build_lights(scene);
+  EXPECT_EQ(scene.lights.size(), 1u) << "building twice gives the same";
+}
+
+TEST(SceneLights, TheEnvironmentIsChosenByItsPower) {
+  Gltf file;
+  file.triangle_of(emitter(0));
+  file.light({{"type", "directional"}, {"intensity", 4}});  // pi r^2 * 4
+  Scene scene = file.load();
+  scene.environment = uniform_environment(glm::vec3(1, 1, 1));  // pi r^2 * 4 pi
+  build_lights(scene);
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_NEAR(scene.environment->parameters.selection_pdf, PI / (1 + PI), 4 * 0x1p-24);
 }
 
 TEST(SceneLights, BuildingTwiceGivesTheSame) {

@@ -262,7 +262,7 @@ TEST(SceneFeatures, FollowTheScene) {
   file.triangle_of(matte);
   Scene scene = file.load();
   build_lights(scene);
-  EXPECT_EQ(find_features(scene).bits, 0u);
+  EXPECT_EQ(find_features(scene).bits, uint32_t{interface::FEATURE_ENVIRONMENT}) << "nothing else lights it";
   EXPECT_EQ(find_features(scene).material_classes, 1u << interface::MATERIAL_CLASS_DIFFUSE);
 
   json lamp = matte;

@@ -31,7 +31,8 @@ const char* const ALL_SCENES[] = {"cornell/cornell",
                                   "lamp/lamp",
                                   "smallvcm/smallvcm-sun",
                                   "smallvcm/smallvcm-ceiling",
-                                  "smallvcm/smallvcm-point"};
+                                  "smallvcm/smallvcm-point",
+                                  "smallvcm/smallvcm-background"};
 
 TEST(Scenes, LoadWithoutWarningAndNormalsFaceTheFront) {
   for (const char* stem : ALL_SCENES) {

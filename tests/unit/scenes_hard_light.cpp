@@ -140,7 +140,7 @@ TEST(HardLight, LampsAreInsideTheirGlass) {
 }
 
 TEST(HardLight, SmallVcmBoxesHaveItsMeasures) {
-  for (const char* variant : {"sun", "ceiling", "point"}) {
+  for (const char* variant : {"sun", "ceiling", "point", "background"}) {
     const scene::Scene scene = scene::load(scene_path(std::string("smallvcm/smallvcm-") + variant));
     const bool is_large = std::string(variant) == "ceiling";
     const double radius = is_large ? 0.8 : 0.5, ball = 4 * pi / 3 * std::pow(radius, 3);
@@ -151,7 +151,8 @@ TEST(HardLight, SmallVcmBoxesHaveItsMeasures) {
     }
     for (const char* wall : {"glossy", "white", "blue", "green", "red"})
       expect_facing(facets(scene, wall), dvec3(0), true);
-    EXPECT_EQ(scene.lights.size(), is_large ? 0u : 1u) << variant << ": those that are not surfaces";
+    const bool has_punctual = std::string(variant) == "sun" || std::string(variant) == "point";
+    EXPECT_EQ(scene.lights.size(), has_punctual ? 1u : 0u) << variant << ": those that are not surfaces";
     if (is_large) {
       for (const Facet& facet : facets(scene, "lamp")) EXPECT_NEAR(facet.normal().y, -1, 1e-6);
     }
@@ -161,6 +162,9 @@ TEST(HardLight, SmallVcmBoxesHaveItsMeasures) {
   EXPECT_NEAR(sun.lights[0].intensity.x, 10, 1e-5);
   const scene::Scene point = scene::load(scene_path("smallvcm/smallvcm-point"));
   EXPECT_LT(glm::length(dvec3(point.lights[0].position) - dvec3(0, 1, 0.5)), 1e-6);
+  const scene::Scene sky = scene::load(scene_path("smallvcm/smallvcm-background"));
+  ASSERT_TRUE(sky.environment && !sky.environment->is_map());
+  EXPECT_LT(glm::length(dvec3(sky.environment->parameters.radiance) * 255.0 - dvec3(135, 206, 250)), 1e-4);
 }
 
 }  // namespace

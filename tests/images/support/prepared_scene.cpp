@@ -16,14 +16,28 @@ PreparedScene prepare(const fs::path& path) {
   return prepared;
 }
 
-PreparedScene prepare(const GltfScene& scene) {
-  const TemporaryFolder folder;
+namespace {
+
+PreparedScene prepare_in(const TemporaryFolder& folder, const GltfScene& scene) {
   const fs::path path = folder / "scene.gltf";
   scene.write(path);
   PreparedScene prepared = prepare(path);
   for (const std::string& warning : prepared.scene.warnings)
     ADD_FAILURE() << "warning of the loader: " << warning;
   return prepared;
+}
+
+}  // namespace
+
+PreparedScene prepare(const GltfScene& scene) {
+  return prepare_in(TemporaryFolder(), scene);
+}
+
+PreparedScene prepare(GltfScene scene, const image::Image& environment, double rotation) {
+  const TemporaryFolder folder;
+  image::write_exr(folder / "environment.exr", environment);
+  scene.set_setting("environment", {{"file", "environment.exr"}, {"rotation", rotation}});
+  return prepare_in(folder, scene);
 }
 
 nlohmann::json expected_of(const fs::path& gltf) {

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "bvh/bvh.hpp"
+#include "image/image.hpp"
 #include "images/support/gltf_scene.hpp"
 #include "scene/scene.hpp"
 
@@ -18,6 +19,8 @@ struct PreparedScene {
 
 PreparedScene prepare(const std::filesystem::path& path);
 PreparedScene prepare(const GltfScene& scene);
+/// With a latitude-longitude map as environment, turned by `rotation` degrees.
+PreparedScene prepare(GltfScene scene, const image::Image& environment, double rotation = 0);
 
 /// An entry of scenes[0].extras.regulus_expected of a scene of ours.
 nlohmann::json expected_of(const std::filesystem::path& gltf);

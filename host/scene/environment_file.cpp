@@ -1,0 +1,137 @@
+#include "scene/environment_file.hpp"
+
+#include <fmt/core.h>
+#include <stb_image.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "image/image.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* ELEMENT = "extras.regulus.environment";
+constexpr uint64_t MAX_TEXELS = uint64_t{1} << 26;  // 1 GiB with their distribution
+// Radiance beyond this is cut: 500 times the sun's disc, and far from overflowing when a path's throughput
+// multiplies it.
+constexpr double MAX_RADIANCE = 1e10;
+constexpr double LARGEST_HALF = 65504;  // what a file of half floats shows as infinite was a little more
+// Run-length coding of Radiance files: four bytes a pixel, two bytes for at most 127 equal ones.
+constexpr uint64_t MAX_RADIANCE_PIXELS_PER_BYTE = 127 / 8 + 1;
+
+/// Member `name` of extras as a number; `otherwise` if there is none.
+double number_of(const Document& document, const json& extras, const char* name, double otherwise) {
+  const auto member = extras.find(name);
+  if (member == extras.end()) return otherwise;
+  if (!member->is_number() || !std::isfinite(member->get<double>()))
+    document.fail(fmt::format("{}.{} is not a finite number; correct it", ELEMENT, name));
+  return member->get<double>();
+}
+
+glm::vec3 color_of(const Document& document, const json& color, double scale) {
+  glm::vec3 radiance(0);
+  bool is_valid = color.is_array() && color.size() == 3;
+  for (int i = 0; is_valid && i < 3; ++i) {
+    const json& channel = color[static_cast<size_t>(i)];
+    is_valid =
+        channel.is_number() && channel.get<double>() >= 0 && channel.get<double>() * scale <= MAX_RADIANCE;
+    if (is_valid) radiance[i] = static_cast<float>(channel.get<double>() * scale);
+  }
+  if (!is_valid)
+    document.fail(fmt::format("{}.color is not [r, g, b] with radiances from 0 to {:g}; correct it", ELEMENT,
+                              MAX_RADIANCE));
+  return radiance;
+}
+
+/// A Radiance file (.hdr) as RGB floats.
+image::Image decode_radiance(const Document& document, const Bytes& bytes, const std::string& name) {
+  int width = 0, height = 0, channels = 0;
+  const int size = static_cast<int>(bytes.size());
+  if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0 || width < 1 || height < 1 ||
+      static_cast<uint64_t>(width) * static_cast<uint64_t>(height) >
+          bytes.size() * MAX_RADIANCE_PIXELS_PER_BYTE)
+    document.fail(fmt::format("{}: the Radiance file is cut off or corrupt; write it again", name));
+  const std::unique_ptr<float, void (*)(void*)> pixels(
+      stbi_loadf_from_memory(bytes.data(), size, &width, &height, &channels, 3), &stbi_image_free);
+  if (!pixels) document.fail(fmt::format("{}: cannot be decoded ({})", name, stbi_failure_reason()));
+  const size_t values = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
+  return {static_cast<uint32_t>(width), static_cast<uint32_t>(height), {pixels.get(), pixels.get() + values}};
+}
+
+image::Image decode(const Document& document, const Bytes& bytes, const std::string& name) {
+  const bool is_hdr = bytes.size() <= 0x7FFFFFFFu &&
+                      stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
+  return is_hdr ? decode_radiance(document, bytes, name) : image::decode_exr(name, bytes);
+}
+
+/// The radiance that a value stands for; counts the values that are none.
+double radiance_of(double value, double scale, uint64_t& replaced) {
+  if (value >= 0 && value * scale <= MAX_RADIANCE) return value * scale;
+  ++replaced;
+  if (!(value > 0)) return 0;
+  return std::min(std::isinf(value) ? LARGEST_HALF * scale : MAX_RADIANCE, MAX_RADIANCE);
+}
+
+/// The image's values times `scale`, made radiances.
+std::vector<glm::vec3> radiances_of(Document& document, const image::Image& image, double scale,
+                                    const std::string& name) {
+  std::vector<glm::vec3> texels(image.rgb.size() / 3);
+  uint64_t replaced = 0;
+  for (size_t i = 0; i < image.rgb.size(); ++i)
+    texels[i / 3][static_cast<int>(i % 3)] = static_cast<float>(radiance_of(image.rgb[i], scale, replaced));
+  if (replaced > 0)
+    document.warn(
+        fmt::format("{}: {} values are no radiance: negative ones and NaN are taken as 0, infinite ones as "
+                    "{:g}, any beyond {:g} as that",
+                    name, replaced, LARGEST_HALF, MAX_RADIANCE));
+  return texels;
+}
+
+Environment read_map(Document& document, const Bytes& bytes, const std::string& name, double rotation,
+                     double scale) {
+  const image::Image image = decode(document, bytes, name);
+  if (uint64_t{image.width} * image.height > MAX_TEXELS)
+    document.fail(fmt::format("{}: {} x {} texels are more than {}; scale it down", name, image.width,
+                              image.height, MAX_TEXELS));
+  Environment environment =
+      map_environment(radiances_of(document, image, scale, name), image.width, rotation / 360);
+  if (!(environment.integral > 0)) document.warn(name + ": the environment is black");
+  return environment;
+}
+
+}  // namespace
+
+std::optional<Environment> read_environment(Document& document, const json* extras,
+                                            const EnvironmentOptions& options) {
+  const json none = json::object();
+  if (extras != nullptr && !extras->is_object())
+    document.fail(fmt::format("{} is not an object with \"file\" or \"color\"; correct it", ELEMENT));
+  const json& source = extras != nullptr ? *extras : none;
+  for (const auto& [name, value] : source.items())
+    if (name != "file" && name != "color" && name != "rotation" && name != "scale")
+      document.warn(fmt::format("{}.{} is not a setting of environments", ELEMENT, name));
+  const double rotation = options.rotation.value_or(number_of(document, source, "rotation", 0));
+  const double scale = options.scale.value_or(number_of(document, source, "scale", 1));
+  if (!(scale >= 0)) document.fail(fmt::format("{}.scale is negative; correct it", ELEMENT));
+
+  if (!options.file.empty())
+    return read_map(document, document.files.read_file(options.file, "environment"), options.file.string(),
+                    rotation, scale);
+  if (const auto file = source.find("file"); file != source.end()) {
+    if (!file->is_string()) document.fail(fmt::format("{}.file is not a string; name a file", ELEMENT));
+    const auto uri = file->get<std::string>();
+    const std::string name = uri.starts_with("data:") ? ELEMENT : uri;
+    return read_map(document, document.files.read_uri(uri, ELEMENT), name, rotation, scale);
+  }
+  if (const auto color = source.find("color"); color != source.end())
+    return uniform_environment(color_of(document, *color, scale));
+  if (extras != nullptr)
+    document.fail(fmt::format("{} has neither \"file\" nor \"color\"; give one of them", ELEMENT));
+  return std::nullopt;
+}
+
+}  // namespace regulus::scene

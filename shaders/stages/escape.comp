@@ -1,0 +1,24 @@
+// escape: technique `hit` for camera rays that left the scene: they meet the environment.
+// reads  escaped paths          writes  radiance
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/environment.glsl"
+#include "lib/mis.glsl"
+#include "lib/stage.glsl"
+
+void main() {
+  uint i = item_index();
+  if (i >= queue_count(QUEUE_ESCAPED)) return;
+  Frame frame = FRAME;
+  uint slot = LOAD(WordBuffer, frame.escaped, i);
+  Path path = LOAD(PathBuffer, frame.paths, slot);
+  EnvironmentSample environment = environment_at(frame, path.direction);
+  // The accumulators are those of the ray itself: its end has no distance and no cosine (math.md section 1).
+  float weight = 1.0;
+  if (path.bounce > 0u) {
+    float pdf_emit = environment.pdf * INV_PI / square(frame.scene_radius);
+    weight = mis_weight_hit(technique_counts(frame, stage.merge_radius), path, environment.pdf, pdf_emit);
+  }
+  vec3 emitted = path.throughput * environment.radiance * weight;
+  STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+}
