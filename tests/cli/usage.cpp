@@ -158,6 +158,16 @@ TEST_F(Usage, NoDriverEndsWithFour) {
   expect_nothing_written();
 }
 
+TEST_F(Usage, EnvironmentsThatCannotBeReadAreNamed) {
+  write_file(folder_ / "text.exr.txt", "no image");
+  expect_error(render({"--env", "missing.hdr"}), 3, {"missing.hdr"});
+  expect_error(render({"--env", (folder_ / "text.exr.txt").string()}), 3, {"text.exr.txt"});
+  expect_error(render({"--env-rotation", "left"}), 2);
+  expect_error(render({"--env-scale", "-1"}), 2);
+  fs::remove(folder_ / "text.exr.txt");
+  expect_nothing_written();
+}
+
 TEST_F(Usage, SceneSettingsThatMakeNoSenseNameTheFile) {
   scene_.set_setting("spp", "plenty");
   scene_.write(gltf());
