@@ -29,6 +29,12 @@ struct Subject {
 std::vector<Tally> check_stages(const Subject& subject, render::Pass pass,
                                 const render::Recording& recording);
 
+/// The stages of an iteration with connections to the cache and merges: what is made of light vertices, which
+/// are connected and merged, what that contributes, and the weights that the device's recurrences give, each
+/// against its definition. `subject`'s settings are those of the recorder.
+std::vector<Tally> check_connections(const Subject& subject, uint32_t sample,
+                                     const render::ConnectionRecording& recording);
+
 /// Whole camera paths, vertex by vertex, and what each carries to the film, weights included.
 std::vector<Tally> check_paths(const Subject& subject, const render::Recording& recording);
 

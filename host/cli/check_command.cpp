@@ -57,6 +57,32 @@ bool report(const check::Tally& tally) {
   return tally.is_passed();
 }
 
+/// An iteration with connections to the cache, merges and splats.
+bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subject) {
+  constexpr uint32_t BOTH = TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+  render::RenderSettings asked = subject.settings;
+  asked.techniques = WALK_TECHNIQUES | BOTH;
+  if (asked.cache_connections == 0) asked.cache_connections = 3;
+  // So wide that every vertex has some light paths to merge with, few as they are.
+  const float scene_radius = 0.5F * glm::length(subject.scene.bounds_max - subject.scene.bounds_min);
+  asked.merge_radius = std::max(asked.merge_radius, 0.03F * scene_radius);
+  render::StageRecorder recorder(device, subject.scene, subject.bvh, asked, asked.width * asked.height,
+                                 WALK_TECHNIQUES | BOTH);
+  reference::Settings wanted = subject.reference_settings;
+  wanted.techniques = recorder.settings().techniques;
+  if ((wanted.techniques & BOTH) != BOTH) return true;  // nothing in the scene can be connected
+  wanted.cache_connections = recorder.settings().cache_connections;
+  wanted.light_paths = recorder.settings().light_paths;
+  wanted.merge_radius = recorder.settings().merge_radius;
+  const check::Subject same{subject.scene,  subject.bvh,         subject.world,
+                            subject.camera, recorder.settings(), wanted};
+  const uint32_t sample = subject.settings.first_sample;
+  bool is_passed = true;
+  for (const check::Tally& tally : check_connections(same, sample, recorder.record_connections(sample)))
+    is_passed = report(tally) && is_passed;
+  return is_passed;
+}
+
 bool check_everything(gpu::Device& device, const check::Subject& subject) {
   const uint32_t pixels = subject.settings.width * subject.settings.height;
   fmt::print("{}\n", check::Tally::header());
@@ -80,6 +106,7 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
         is_passed = report(tally) && is_passed;
     }
   }
+  is_passed = check_sorted_and_connected(device, subject) && is_passed;
   for (const auto& [name, techniques] :
        {std::pair<const char*, uint32_t>{"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
         {"lt", TECHNIQUE_SPLAT},

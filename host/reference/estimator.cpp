@@ -69,6 +69,10 @@ Estimator::Estimator(const World& world, const Camera& camera, const Settings& s
   if (settings.cache_connections == 0 || (settings.techniques & TECHNIQUE_CONNECT) == 0 ||
       !needs_light_subpaths())
     return;
+  if (settings.expected_light_vertices != 0) {
+    expected_cache_ = settings.expected_light_vertices;
+    return;
+  }
   // How large the cache will be is not known before it is filled, but weights have to agree on a sample count
   // from the start. Any will do that is the same for all; the first iteration's is near.
   Settings exact = settings;

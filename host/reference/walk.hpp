@@ -27,6 +27,7 @@ struct Settings {
   double merge_radius = 0;   ///< metres, of the first iteration
   double merge_reduction = 1.0 / 6;
   uint32_t cache_connections = 0;  ///< light vertices drawn for every camera vertex; 0: its own light path's
+  uint32_t expected_light_vertices = 0;  ///< connectible ones of iteration 0, for weights; 0: to be counted
   uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;

@@ -1,8 +1,11 @@
 #include "render/stage_recorder.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "render/device_scene.hpp"
+#include "render/scan.hpp"
 #include "render/wavefront_buffers.hpp"
 
 namespace regulus::render {
@@ -11,11 +14,27 @@ using namespace interface;
 
 namespace {
 
-RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings settings) {
-  settings.techniques &= TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
+RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings settings, uint32_t techniques) {
+  settings.techniques &= techniques;
   settings.techniques = effective_techniques(scene::find_features(scene), settings);
   settings.light_paths = settings.width * settings.height;
+  if (settings.merge_radius == 0)
+    settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5F * glm::length(scene.bounds_max - scene.bounds_min);
   return settings;
+}
+
+/// A film's fixed-point sums as numbers.
+std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words) {
+  std::vector<glm::dvec3> values(words.size() / FILM_WORDS_PER_PIXEL, glm::dvec3(0));
+  for (size_t i = 0; i < values.size(); ++i)
+    for (int channel = 0; channel < 3; ++channel) {
+      const size_t first = i * FILM_WORDS_PER_PIXEL + 3 * static_cast<size_t>(channel);
+      const double high = static_cast<int32_t>(words[first + 2]);
+      values[i][channel] = std::ldexp(high, 64 - int{FILM_FRACTION_BITS}) +
+                           std::ldexp(static_cast<double>(words[first + 1]), 32 - int{FILM_FRACTION_BITS}) +
+                           std::ldexp(static_cast<double>(words[first]), -int{FILM_FRACTION_BITS});
+    }
+  return values;
 }
 
 }  // namespace
@@ -27,17 +46,19 @@ struct StageRecorder::Impl {
   DeviceScene scene;
   WavefrontBuffers buffers;
   std::vector<PipelineStep> pipeline;
+  Scan scan;
 
   Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
-       const RenderSettings& settings_in, uint32_t paths_in)
+       const RenderSettings& settings_in, uint32_t paths_in, uint32_t techniques)
       : device(device_in),
-        settings(recorded_settings(scene_in, settings_in)),
+        settings(recorded_settings(scene_in, settings_in, techniques)),
         paths(paths_in),
         scene(device, scene_in, bvh),
         buffers(device, scene,
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
                 settings, (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),
-        pipeline(build_pipeline(device, scene::find_features(scene_in), settings)) {}
+        pipeline(build_pipeline(device, scene::find_features(scene_in), settings)),
+        scan(device) {}
 
   template <typename T>
   std::vector<T> download(const gpu::Buffer& buffer, size_t count, size_t first = 0) {
@@ -96,11 +117,113 @@ struct StageRecorder::Impl {
     recorded.radiance = download<glm::vec3>(buffers.radiance_, paths);
     return recorded;
   }
+
+  // ---- connections and merges
+
+  StageArguments arguments_of(uint32_t sample) const {
+    StageArguments arguments{};
+    arguments.frame = buffers.frame_address();
+    arguments.wave_paths = paths;
+    arguments.first_sample = sample;
+    arguments.merge_radius =
+        settings.merge_radius * static_cast<float>(std::pow(sample + 1.0, -double{settings.merge_reduction}));
+    return arguments;
+  }
+
+  void start_wave(const gpu::Buffer* cleared) {
+    gpu::CommandList commands(device);
+    commands.copy(buffers.empty_heads, 0, buffers.queue_heads, 0, buffers.queue_heads.size());
+    if (cleared != nullptr) commands.fill(*cleared, 0, cleared->size(), 0);
+    gpu::Submission submission = device.submit(std::move(commands));
+    device.wait(submission);
+  }
+
+  // Walks all light paths; returns how many vertices they have, all of which are stored.
+  uint32_t walk_light_paths(uint32_t sample, std::vector<SplatCandidate>& splats) {
+    start_wave(&buffers.light_vertex_count);
+    if (buffers.splat_film.size() != 0) start_wave(&buffers.splat_film);
+    splats.clear();
+    StageArguments arguments = arguments_of(sample);
+    run(Pass::Light, "light_generate", arguments);
+    for (uint32_t bounce = 0; bounce + 1 < std::max(settings.max_depth, 2u); ++bounce) {
+      arguments.bounce = bounce;
+      run(Pass::Light, "trace_closest", arguments);
+      run(Pass::Light, "light_bounce", arguments);
+      const auto queued = download<SplatCandidate>(buffers.splats_, queue_count(bounce, QUEUE_SPLATS));
+      splats.insert(splats.end(), queued.begin(), queued.end());
+      run(Pass::Light, "trace_splats", arguments);
+    }
+    const auto count = download<uint32_t>(buffers.light_vertex_count, 1).front();
+    if (count <= buffers.light_vertex_capacity()) return count;
+    buffers.grow_light_vertices(device, count);
+    return walk_light_paths(sample, splats);
+  }
+
+  void scan_words(const gpu::Buffer& words, uint32_t count) {
+    gpu::CommandList commands(device);
+    scan.record(commands, words, count);
+    gpu::Submission submission = device.submit(std::move(commands));
+    device.wait(submission);
+  }
+
+  void run_over(std::string_view name, const StageArguments& arguments, uint64_t items) {
+    gpu::CommandList commands(device);
+    record_step(commands, pipeline, name, arguments, items);
+    gpu::Submission submission = device.submit(std::move(commands));
+    device.wait(submission);
+  }
+
+  void sort_light_vertices(const StageArguments& arguments, ConnectionRecording& recording) {
+    const auto vertices = static_cast<uint32_t>(recording.light_vertices.size());
+    run_over("light_path_counts", arguments, settings.light_paths);
+    recording.path_counts = download<uint32_t>(buffers.light_path_ends, settings.light_paths);
+    scan_words(buffers.light_path_ends, settings.light_paths);
+    recording.path_ends = download<uint32_t>(buffers.light_path_ends, settings.light_paths);
+
+    gpu::CommandList clear(device);
+    clear.fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
+    gpu::Submission cleared = device.submit(std::move(clear));
+    device.wait(cleared);
+    const uint32_t cells = buffers.grid_cell_count() + 1;
+    run_over("grid_count", arguments, vertices);
+    recording.cell_counts = download<uint32_t>(buffers.grid_cells, cells);
+    recording.ranks = download<uint32_t>(buffers.grid_ranks_, vertices);
+    scan_words(buffers.grid_cells, cells);
+    recording.cell_ends = download<uint32_t>(buffers.grid_cells, cells);
+    run_over("grid_scatter", arguments, vertices);
+    recording.entries = download<GridEntry>(buffers.grid_entries_, vertices);
+  }
+
+  RecordedConnections record_bounce_connections(const StageArguments& arguments) {
+    RecordedConnections recorded;
+    recorded.slots = ray_queue(arguments.bounce);
+    run(Pass::Camera, "trace_closest", arguments);
+    run(Pass::Camera, "camera_bounce", arguments);
+    recorded.camera_vertices = download<PathVertex>(buffers.camera_vertices_, paths);
+    for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c) {
+      const auto queued =
+          download<ConnectionPair>(buffers.pairs_, queue_count(arguments.bounce, QUEUE_PAIRS + c),
+                                   size_t{c} * buffers.frame_.pair_capacity);
+      recorded.pairs.insert(recorded.pairs.end(), queued.begin(), queued.end());
+    }
+    const uint32_t light_samples = queue_count(arguments.bounce, QUEUE_VISIBILITY);
+    run(Pass::Camera, "connect", arguments);
+    const uint32_t all = queue_count(arguments.bounce, QUEUE_VISIBILITY);
+    recorded.light_samples = download<VisibilityCandidate>(buffers.candidates_, light_samples);
+    recorded.connections =
+        download<VisibilityCandidate>(buffers.candidates_, all - light_samples, light_samples);
+    const size_t words = size_t{paths} * FILM_WORDS_PER_PIXEL;
+    const auto before = film_values(download<uint32_t>(buffers.film, words));
+    run(Pass::Camera, "merge", arguments);
+    recorded.merged = film_values(download<uint32_t>(buffers.film, words));
+    for (size_t i = 0; i < before.size(); ++i) recorded.merged[i] -= before[i];
+    return recorded;
+  }
 };
 
 StageRecorder::StageRecorder(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                             const RenderSettings& settings, uint32_t paths)
-    : impl_(std::make_unique<Impl>(device, scene, bvh, settings, paths)) {}
+                             const RenderSettings& settings, uint32_t paths, uint32_t techniques)
+    : impl_(std::make_unique<Impl>(device, scene, bvh, settings, paths, techniques)) {}
 StageRecorder::~StageRecorder() = default;
 
 const RenderSettings& StageRecorder::settings() const {
@@ -129,6 +252,30 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   for (arguments.bounce = 0; arguments.bounce < bounces; ++arguments.bounce) {
     recording.bounces.push_back(impl.record_bounce(pass, arguments));
     if (recording.bounces.back().continuing.empty()) break;
+  }
+  return recording;
+}
+
+ConnectionRecording StageRecorder::record_connections(uint32_t sample) {
+  Impl& impl = *impl_;
+  ConnectionRecording recording;
+  recording.expected_vertices = impl.walk_light_paths(0, recording.splats);
+  impl.buffers.expect_light_vertices(impl.device, recording.expected_vertices);
+  const uint32_t vertices = impl.walk_light_paths(sample, recording.splats);
+  StageArguments arguments = impl.arguments_of(sample);
+  recording.merge_radius = arguments.merge_radius;
+  recording.heads = impl.download<LightPathHead>(impl.buffers.light_heads_, impl.settings.light_paths);
+  recording.light_vertices = impl.download<PathVertex>(impl.buffers.light_vertices_, vertices);
+  if (impl.buffers.splat_film.size() != 0)
+    recording.splat_film = film_values(
+        impl.download<uint32_t>(impl.buffers.splat_film, size_t{impl.paths} * FILM_WORDS_PER_PIXEL));
+  impl.sort_light_vertices(arguments, recording);
+
+  impl.start_wave(&impl.buffers.film);
+  impl.run(Pass::Camera, "camera_generate", arguments);
+  for (arguments.bounce = 0; arguments.bounce < impl.settings.max_depth; ++arguments.bounce) {
+    recording.bounces.push_back(impl.record_bounce_connections(arguments));
+    if (impl.queue_count(arguments.bounce + 1, QUEUE_RAYS) == 0) break;
   }
   return recording;
 }

@@ -31,12 +31,40 @@ struct Recording {
   std::vector<RecordedBounce> bounces;
 };
 
-/// Records waves with the techniques hit, nee and splat: all stages that walk, of both kinds of paths.
+/// The connections and merges of a bounce of a wave of camera paths. Lists unless they say otherwise.
+struct RecordedConnections {
+  std::vector<uint32_t> slots;                                ///< traced in this bounce
+  std::vector<interface::PathVertex> camera_vertices;         ///< by slot; edges 0: none
+  std::vector<interface::ConnectionPair> pairs;               ///< of all material classes
+  std::vector<interface::VisibilityCandidate> light_samples;  ///< candidates of technique `nee`
+  std::vector<interface::VisibilityCandidate> connections;    ///< and of `connect`
+  std::vector<glm::dvec3> merged;                             ///< by pixel: what `merge` added
+};
+
+/// An iteration: a wave of light paths, what is made of their vertices, and a wave of camera paths.
+struct ConnectionRecording {
+  float merge_radius = 0;                       ///< m
+  uint32_t expected_vertices = 0;               ///< light vertices of iteration 0, with which weights reckon
+  std::vector<interface::LightPathHead> heads;  ///< by light path
+  std::vector<interface::PathVertex> light_vertices;  ///< in the order in which they were stored
+  std::vector<interface::SplatCandidate> splats;      ///< of all bounces
+  std::vector<glm::dvec3> splat_film;                 ///< by pixel: what trace_splats made of them
+  std::vector<uint32_t> path_counts, path_ends;       ///< by light path, before and after the scan
+  std::vector<uint32_t> cell_counts, cell_ends;       ///< by cell and one more, likewise
+  std::vector<uint32_t> ranks;                        ///< by light vertex: its place in its cell
+  std::vector<interface::GridEntry> entries;          ///< of the grid
+  std::vector<RecordedConnections> bounces;
+};
+
+/// Records waves, by default with the techniques hit, nee and splat: all stages that walk, of both kinds of
+/// paths.
 class StageRecorder {
  public:
-  /// Scene and bvh as for Renderer. Of the settings' techniques only those named above are kept.
+  /// Scene and bvh as for Renderer. Of the settings' techniques only those of `techniques` are kept.
   StageRecorder(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                const RenderSettings& settings, uint32_t paths);
+                const RenderSettings& settings, uint32_t paths,
+                uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE |
+                                      interface::TECHNIQUE_SPLAT);
   ~StageRecorder();
 
   /// What the kernels were built for: the settings given, with effective techniques.
@@ -45,6 +73,10 @@ class StageRecorder {
   /// Runs `paths` paths (of the constructor) from path `first_path` of a sample on. Pass::Camera or
   /// Pass::Light.
   Recording record(Pass pass, uint32_t first_path, uint32_t sample);
+
+  /// Records the iteration of a sample with connections and merges. Preconditions: both are among the
+  /// techniques, settings().cache_connections is not 0, and there are as many paths as pixels.
+  ConnectionRecording record_connections(uint32_t sample);
 
  private:
   struct Impl;
