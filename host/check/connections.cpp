@@ -128,6 +128,7 @@ class ConnectionChecker {
   }
 
   bool is_same_light_walk(uint32_t vertex) const {
+    if (vertex >= owner_.size() || owner_[vertex] == INVALID_INDEX) return false;
     const PathVertex& found = recording_.light_vertices[vertex];
     const auto& vertices = iterations_.front().light.subpaths()[owner_[vertex]].vertices;
     const uint32_t edges = found.edges & PATH_VERTEX_EDGES;
@@ -136,14 +137,16 @@ class ConnectionChecker {
 
   // ---- which vertices are connected
 
-  /// The light vertex of a number, by the device's own lists.
+  /// The light vertex of a number, by the device's own lists; INVALID_INDEX if these are broken.
   uint32_t numbered(uint32_t number) const {
     const auto after = std::upper_bound(recording_.path_ends.begin(), recording_.path_ends.end(), number);
+    if (after == recording_.path_ends.begin()) return INVALID_INDEX;
     const auto path = static_cast<size_t>(after - recording_.path_ends.begin()) - 1;
     uint32_t vertex = recording_.heads[path].last;
-    for (uint32_t k = recording_.path_ends[path]; k < number; ++k)
+    for (uint32_t k = recording_.path_ends[path]; k < number && vertex < recording_.light_vertices.size();
+         ++k)
       vertex = recording_.light_vertices[vertex].link;
-    return vertex;
+    return vertex < recording_.light_vertices.size() ? vertex : INVALID_INDEX;
   }
 
   void check_pairs(const RecordedConnections& bounce, uint32_t index, Tally& tally) const {
@@ -157,6 +160,7 @@ class ConnectionChecker {
         const double u = random_block(settings_, slot, sample_, block)[static_cast<int>(k % 4)];
         const auto number = static_cast<uint32_t>(static_cast<float>(u) * static_cast<float>(cached));
         const uint32_t vertex = numbered(std::min(number, cached - 1));
+        if (vertex == INVALID_INDEX) continue;
         const uint32_t edges = recording_.light_vertices[vertex].edges & PATH_VERTEX_EDGES;
         if (index + 1 + edges + 1 <= settings_.max_depth) wanted[slot].push_back(vertex);
       }
@@ -182,7 +186,7 @@ class ConnectionChecker {
       const PathVertex& light = recording_.light_vertices[pair.vertex];
       Item item{TECHNIQUE_CONNECT, pair.slot, index + 1, owner_[pair.vertex],
                 light.edges & PATH_VERTEX_EDGES};
-      double nearest = 1e-4 * subject_.world.radius();
+      double nearest = 1e-3 * subject_.world.radius();
       for (const VisibilityCandidate* candidate : candidates[pair.slot]) {
         const dvec3 end = dvec3(candidate->origin) + double{candidate->t_max} * dvec3(candidate->direction);
         const double distance = length(end - dvec3(light.position));

@@ -71,7 +71,8 @@ Tally check_grid_scatter(const Subject& subject, const ConnectionRecording& reco
     const GridEntry& entry = recording.entries[place];
     const auto after = std::upper_bound(recording.cell_ends.begin(), recording.cell_ends.end(), place);
     const auto cell = static_cast<uint32_t>(after - recording.cell_ends.begin()) - 1;
-    const bool is_new = entry.vertex < cell_of.size() && cell_of[entry.vertex] == INVALID_INDEX;
+    const bool is_new =
+        cell != INVALID_INDEX && entry.vertex < cell_of.size() && cell_of[entry.vertex] == INVALID_INDEX;
     judge(is_new && entry.position == recording.light_vertices[entry.vertex].position, tally,
           fmt::format("place {}: light vertex {}", place, entry.vertex));
     if (!is_new) continue;

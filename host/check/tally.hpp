@@ -38,6 +38,7 @@ class Tally {
   void describe(const std::string& text);
 
   bool is_passed() const;
+  const std::string& name() const { return name_; }
 
   /// Name, items, largest and 99.9th-percentile error, bound, items by class, verdict; then the descriptions.
   std::string line() const;

@@ -5,9 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <utility>
 
 #include "check/check.hpp"
 #include "images/support/prepared_scene.hpp"
+#include "images/support/render_scene.hpp"
 
 namespace regulus::test {
 namespace {
@@ -158,6 +160,118 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
     ASSERT_LT(fault.line, tallies.size());
     EXPECT_FALSE(tallies[fault.line].is_passed()) << fault.name << " was not found\n"
                                                   << tallies[fault.line].line();
+  }
+}
+
+// ---- connections and merges
+
+/// An iteration with connections to the cache and merges, regularized or not.
+class CheckedConnections {
+ public:
+  explicit CheckedConnections(uint32_t regularization)
+      : prepared_(prepare(own_scenes() / "cornell/cornell.gltf")),
+        world_(prepared_.scene, prepared_.bvh),
+        recorder_(*device(), prepared_.scene, prepared_.bvh, settings(regularization), SIZE * SIZE, VCM),
+        camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
+    const render::RenderSettings& used = recorder_.settings();
+    reference_.width = reference_.height = SIZE;
+    reference_.max_depth = used.max_depth;
+    reference_.techniques = used.techniques;
+    reference_.filter = {FILTER_BOX, 0.5, 0};
+    reference_.light_paths = used.light_paths;
+    reference_.cache_connections = used.cache_connections;
+    reference_.merge_radius = used.merge_radius;
+    reference_.regularization = used.regularization;
+    reference_.tau = used.tau;
+  }
+
+  render::ConnectionRecording record() { return recorder_.record_connections(SAMPLE); }
+  std::vector<Tally> check(const render::ConnectionRecording& recording) const {
+    return check::check_connections(
+        {prepared_.scene, prepared_.bvh, world_, camera_, recorder_.settings(), reference_}, SAMPLE,
+        recording);
+  }
+
+ private:
+  static constexpr uint32_t SIZE = 32, SAMPLE = 2;
+  static constexpr uint32_t VCM = TECHNIQUE_HIT | TECHNIQUE_NEE | render::LIGHT_SUBPATH_TECHNIQUES;
+
+  static render::RenderSettings settings(uint32_t regularization) {
+    render::RenderSettings result;
+    result.width = result.height = SIZE;
+    result.filter = FILTER_BOX;
+    result.filter_radius = 0.5F;
+    result.techniques = VCM;
+    result.cache_connections = 2;
+    result.merge_radius = 0.02F;
+    result.regularization = regularization;
+    result.tau = 20;
+    return result;
+  }
+
+  PreparedScene prepared_;
+  reference::World world_;
+  render::StageRecorder recorder_;
+  reference::Camera camera_;
+  reference::Settings reference_;
+};
+
+TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  CheckedConnections checked(REGULARIZATION_NONE);
+  const render::ConnectionRecording recording = checked.record();
+  for (const Tally& tally : checked.check(recording)) {
+    std::printf("%s\n", tally.line().c_str());
+    EXPECT_TRUE(tally.is_passed());
+  }
+  using Plant = std::function<void(render::ConnectionRecording&)>;
+  // Which line has to fail; values and weights only if more than the allowed share is wrong.
+  const std::pair<const char*, Plant> faults[] = {
+      {"light_path_counts", [](auto& r) { ++r.path_counts[3]; }},
+      {"scan_light_paths", [](auto& r) { ++r.path_ends[700]; }},
+      {"grid_count", [](auto& r) { ++r.ranks[5]; }},
+      {"scan_grid", [](auto& r) { ++r.cell_ends[100]; }},
+      {"grid_scatter", [](auto& r) { r.entries[8].vertex = r.entries[9].vertex; }},
+      {"connection pairs", [](auto& r) { r.bounces[0].pairs.pop_back(); }},
+      {"connect",
+       [](auto& r) {
+         for (auto& candidate : r.bounces[0].connections) candidate.contribution *= 1.003F;
+       }},
+      {"merge",
+       [](auto& r) {
+         for (auto& sum : r.bounces[0].merged) sum *= 1.003;
+       }},
+      {"splats",
+       [](auto& r) {
+         for (auto& splat : r.splats) splat.segment.contribution *= 1.003F;
+       }},
+      {"weights (absolute)",
+       [](auto& r) {
+         for (auto& candidate : r.bounces[0].light_samples) candidate.contribution *= 1.0001F;
+       }},
+      {"trace_splats",
+       [](auto& r) {
+         for (auto& sum : r.splat_film) sum *= 1.003;
+       }},
+  };
+  for (const auto& [name, plant] : faults) {
+    render::ConnectionRecording spoilt = recording;
+    plant(spoilt);
+    bool is_found = false;
+    for (const Tally& tally : checked.check(spoilt))
+      is_found = is_found || (tally.name() == name && !tally.is_passed());
+    EXPECT_TRUE(is_found) << "fault in " << name;
+  }
+}
+
+TEST(DeviceConnections, RegularizedAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  CheckedConnections checked(REGULARIZATION_ROUGHNESS);
+  for (const Tally& tally : checked.check(checked.record())) {
+    std::printf("%s\n", tally.line().c_str());
+    EXPECT_TRUE(tally.is_passed());
   }
 }
 
