@@ -61,7 +61,7 @@ TEST_F(Environment, WhiteCubeCannotBeSeen) {
   const PreparedScene scene = prepare(under_sky(CUBE, lambert({1, 1, 1})));
   uint32_t stream = 300;
   for (const NamedSet set : {NamedSet{"pt", PT}, {"bpt", BPT}, {"vcm", VCM}}) {
-    if (is_slow_device() && set.techniques == VCM) continue;
+    if (is_slow_device() && set.techniques != PT) continue;  // minutes of compiling
     ComparisonOptions options;
     // Merges within their radius of 0.02 of an edge, on 8 percent of a face, miss a fifth of their disk on
     // average.
@@ -79,6 +79,7 @@ TEST_F(Environment, MirrorAndGlassCubesCannotBeSeen) {
        {std::pair("mirror", metal({1, 1, 1}, 0)), std::pair("glass", glass(1.5))}) {
     const PreparedScene scene = prepare(under_sky(CUBE, material));
     for (const NamedSet set : {NamedSet{"pt", PT}, {"bpt", BPT}}) {
+      if (is_slow_device() && set.techniques != PT) continue;
       const Rendered rendered = render(scene, settings_of(set.techniques, 8, 32));
       size_t off = 0;
       for (size_t i = 0; i < rendered.image.rgb.size(); ++i)
