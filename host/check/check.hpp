@@ -29,9 +29,13 @@ struct Subject {
 std::vector<Tally> check_stages(const Subject& subject, render::Pass pass,
                                 const render::Recording& recording);
 
-/// The stages of an iteration with connections to the cache and merges: what is made of light vertices, which
-/// are connected and merged, what that contributes, and the weights that the device's recurrences give, each
-/// against its definition. `subject`'s settings are those of the recorder.
+/// What an iteration's light vertices are sorted into: their paths' lists and counts, the grid, and the scans
+/// of both. Integers, judged by what they have to satisfy, whatever the hash.
+std::vector<Tally> check_sorting(const Subject& subject, const render::ConnectionRecording& recording);
+
+/// An iteration with connections to the cache and merges: which vertices are connected and merged, what that
+/// contributes, and the weights that the device's recurrences give, each against its definition. `subject`'s
+/// settings are those of the recorder.
 std::vector<Tally> check_connections(const Subject& subject, uint32_t sample,
                                      const render::ConnectionRecording& recording);
 

@@ -386,10 +386,7 @@ class ConnectionChecker {
 
 std::vector<Tally> check_connections(const Subject& subject, uint32_t sample,
                                      const ConnectionRecording& recording) {
-  std::vector<Tally> tallies = check_sorting(subject, recording);
-  ConnectionChecker checker(subject, sample, recording);
-  for (const Tally& tally : checker.run()) tallies.push_back(tally);
-  return tallies;
+  return ConnectionChecker(subject, sample, recording).run();
 }
 
 }  // namespace regulus::check

@@ -8,9 +8,6 @@
 
 namespace regulus::check {
 
-/// Light paths' vertex lists and counts, the scan of these, and the grid with its scan.
-std::vector<Tally> check_sorting(const Subject& subject, const render::ConnectionRecording& recording);
-
 /// Of each light vertex its light path; INVALID_INDEX if none of the lists holds it.
 std::vector<uint32_t> light_paths_of(const render::ConnectionRecording& recording);
 

@@ -78,7 +78,11 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
                             subject.camera, recorder.settings(), wanted};
   const uint32_t sample = subject.settings.first_sample;
   bool is_passed = true;
-  for (const check::Tally& tally : check_connections(same, sample, recorder.record_connections(sample)))
+  render::ConnectionRecording recording = recorder.record_light_vertices(sample);
+  for (const check::Tally& tally : check_sorting(same, recording)) is_passed = report(tally) && is_passed;
+  if (!is_passed) return false;  // lists that are broken lead the other stages astray
+  recorder.record_connections(sample, recording);
+  for (const check::Tally& tally : check_connections(same, sample, recording))
     is_passed = report(tally) && is_passed;
   return is_passed;
 }

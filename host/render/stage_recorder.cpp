@@ -256,13 +256,13 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   return recording;
 }
 
-ConnectionRecording StageRecorder::record_connections(uint32_t sample) {
+ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample) {
   Impl& impl = *impl_;
   ConnectionRecording recording;
   recording.expected_vertices = impl.walk_light_paths(0, recording.splats);
   impl.buffers.expect_light_vertices(impl.device, recording.expected_vertices);
   const uint32_t vertices = impl.walk_light_paths(sample, recording.splats);
-  StageArguments arguments = impl.arguments_of(sample);
+  const StageArguments arguments = impl.arguments_of(sample);
   recording.merge_radius = arguments.merge_radius;
   recording.heads = impl.download<LightPathHead>(impl.buffers.light_heads_, impl.settings.light_paths);
   recording.light_vertices = impl.download<PathVertex>(impl.buffers.light_vertices_, vertices);
@@ -270,14 +270,18 @@ ConnectionRecording StageRecorder::record_connections(uint32_t sample) {
     recording.splat_film = film_values(
         impl.download<uint32_t>(impl.buffers.splat_film, size_t{impl.paths} * FILM_WORDS_PER_PIXEL));
   impl.sort_light_vertices(arguments, recording);
+  return recording;
+}
 
+void StageRecorder::record_connections(uint32_t sample, ConnectionRecording& recording) {
+  Impl& impl = *impl_;
+  StageArguments arguments = impl.arguments_of(sample);
   impl.start_wave(&impl.buffers.film);
   impl.run(Pass::Camera, "camera_generate", arguments);
   for (arguments.bounce = 0; arguments.bounce < impl.settings.max_depth; ++arguments.bounce) {
     recording.bounces.push_back(impl.record_bounce_connections(arguments));
     if (impl.queue_count(arguments.bounce + 1, QUEUE_RAYS) == 0) break;
   }
-  return recording;
 }
 
 }  // namespace regulus::render

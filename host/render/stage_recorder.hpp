@@ -74,9 +74,13 @@ class StageRecorder {
   /// Pass::Light.
   Recording record(Pass pass, uint32_t first_path, uint32_t sample);
 
-  /// Records the iteration of a sample with connections and merges. Preconditions: both are among the
-  /// techniques, settings().cache_connections is not 0, and there are as many paths as pixels.
-  ConnectionRecording record_connections(uint32_t sample);
+  /// Records the light paths of the iteration of a sample and what their vertices are sorted into.
+  /// Preconditions: connections and merges are among the techniques, settings().cache_connections is not 0,
+  /// and there are as many paths as pixels.
+  ConnectionRecording record_light_vertices(uint32_t sample);
+
+  /// Goes on with the camera paths of that iteration. Lists that are broken may crash the device's driver.
+  void record_connections(uint32_t sample, ConnectionRecording& recording);
 
  private:
   struct Impl;

@@ -185,11 +185,17 @@ class CheckedConnections {
     reference_.tau = used.tau;
   }
 
-  render::ConnectionRecording record() { return recorder_.record_connections(SAMPLE); }
+  render::ConnectionRecording record() {
+    render::ConnectionRecording recording = recorder_.record_light_vertices(SAMPLE);
+    recorder_.record_connections(SAMPLE, recording);
+    return recording;
+  }
   std::vector<Tally> check(const render::ConnectionRecording& recording) const {
-    return check::check_connections(
-        {prepared_.scene, prepared_.bvh, world_, camera_, recorder_.settings(), reference_}, SAMPLE,
-        recording);
+    const check::Subject subject{prepared_.scene, prepared_.bvh,        world_,
+                                 camera_,         recorder_.settings(), reference_};
+    std::vector<Tally> tallies = check_sorting(subject, recording);
+    for (const Tally& tally : check_connections(subject, SAMPLE, recording)) tallies.push_back(tally);
+    return tallies;
   }
 
  private:
