@@ -1,10 +1,19 @@
 #include "cli/reference_render.hpp"
 
+#include <cmath>
+
 #include "base/error.hpp"
 
 namespace regulus::cli {
 
 reference::Settings reference_settings(const render::RenderSettings& settings) {
+  constexpr uint32_t UNKNOWN = interface::REGULARIZATION_VIRTUAL_MERGE | interface::REGULARIZATION_BOTH;
+  if ((settings.regularization & UNKNOWN) != 0 ||
+      settings.sampler_quality != interface::SAMPLER_QUALITY_OFF ||
+      std::isfinite(settings.largest_contribution))
+    throw Error(
+        ExitStatus::BadUsage,
+        "the scalar reference has no --regularization virtual-merge or both, --sampler-quality or --clamp");
   reference::Settings result;
   result.width = settings.width;
   result.height = settings.height;

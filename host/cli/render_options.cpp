@@ -29,8 +29,14 @@ const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMI
 const std::map<std::string, uint32_t> FILTER_NAMES = {
     {"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}, {"blackman-harris", FILTER_BLACKMAN_HARRIS}};
 const std::map<std::string, uint32_t> SAMPLER_NAMES = {{"sobol", SAMPLER_SOBOL}, {"hash", SAMPLER_HASH}};
-const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {{"none", REGULARIZATION_NONE},
-                                                              {"roughness", REGULARIZATION_ROUGHNESS}};
+const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {
+    {"none", REGULARIZATION_NONE},
+    {"roughness", REGULARIZATION_ROUGHNESS},
+    {"virtual-merge", REGULARIZATION_ROUGHNESS | REGULARIZATION_VIRTUAL_MERGE},
+    {"both", REGULARIZATION_ROUGHNESS | REGULARIZATION_BOTH}};
+const std::map<std::string, uint32_t> SAMPLER_QUALITY_NAMES = {
+    {"off", SAMPLER_QUALITY_OFF}, {"on", SAMPLER_QUALITY_ON}, {"smooth", SAMPLER_QUALITY_SMOOTH}};
+const std::map<std::string, uint32_t> DIFFUSION_NAMES = {{"off", 0}, {"on", REGULARIZATION_DIFFUSION}};
 const std::map<std::string, uint32_t> BOUND_NAMES = {
     {"peak", BOUND_PEAK}, {"smith", BOUND_SMITH}, {"directional", BOUND_DIRECTIONAL}};
 const std::map<std::string, uint32_t> MIS_NAMES = {
@@ -162,7 +168,8 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       .add_option(
           "--regularization", settings.regularization,
           "How connections and merges see glossy and specular surfaces: none (as they are), roughness "
-          "(with raised roughness)")
+          "(with raised roughness), virtual-merge (by what they send into a small cone), both (with raised "
+          "roughness, and as they are)")
       ->transform(CLI::CheckedTransformer(REGULARIZATION_NAMES))
       ->default_str("none");
   command
@@ -182,12 +189,28 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->transform(CLI::CheckedTransformer(SCHEDULE_NAMES))
       ->default_str("consistent");
   command
+      .add_option("--diffusion", options.diffusion,
+                  "on: what the camera sees directly or through sharp surfaces alone is not regularized; off")
+      ->transform(CLI::CheckedTransformer(DIFFUSION_NAMES))
+      ->default_str("on");
+  command
+      .add_option("--sampler-quality", settings.sampler_quality,
+                  "on: paths that some technique samples well are not regularized; smooth: with a soft "
+                  "transition; off")
+      ->transform(CLI::CheckedTransformer(SAMPLER_QUALITY_NAMES))
+      ->default_str("off");
+  command
       .add_option(
           "--mis", settings.mis,
           "Weights of regularized techniques: blended, corrected (by sample values), unmodified (wrong; for "
           "comparison)")
       ->transform(CLI::CheckedTransformer(MIS_NAMES))
       ->default_str("blended");
+  command
+      .add_option(
+          "--clamp", settings.largest_contribution,
+          "Largest value that one technique may add to a sample: fewer fireflies, lost light; for comparison")
+      ->check(CLI::PositiveNumber);
   command.add_option("-s,--spp", settings.samples, "Samples per pixel")
       ->check(CLI::Range(1u, MAX_SAMPLES))
       ->capture_default_str();
@@ -295,7 +318,8 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.height = size.y;
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
-  if (settings.regularization != REGULARIZATION_NONE) settings.regularization |= options.tau_schedule;
+  if (settings.regularization != REGULARIZATION_NONE)
+    settings.regularization |= options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);
   const float scene_radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
   settings.merge_radius = options.merge_radius.empty()

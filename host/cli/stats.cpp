@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
+#include <cmath>
+
 #include "base/version.hpp"
 
 namespace regulus::cli {
@@ -19,38 +21,50 @@ constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQU
 constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
 constexpr const char* BOUND_NAMES[] = {"peak", "smith", "directional"};
 constexpr const char* MIS_NAMES[] = {"blended", "corrected", "unmodified"};
+constexpr const char* SAMPLER_QUALITY_NAMES[] = {"off", "on", "smooth"};
 constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
 constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
 constexpr const char* SAMPLER_NAMES[] = {"sobol", "hash"};
 constexpr const char* FILTER_NAMES[] = {"box", "gaussian", "blackman-harris"};
 
+const char* regularization_name(uint32_t regularization) {
+  if ((regularization & REGULARIZATION_VIRTUAL_MERGE) != 0) return "virtual-merge";
+  if ((regularization & REGULARIZATION_BOTH) != 0) return "both";
+  return (regularization & REGULARIZATION_ROUGHNESS) != 0 ? "roughness" : "none";
+}
+
 nlohmann::json settings_json(const render::RenderSettings& settings) {
   nlohmann::json techniques = nlohmann::json::array();
   for (const auto& [name, bit] : TECHNIQUE_NAMES)
     if (settings.techniques & bit) techniques.push_back(name);
-  return {{"width", settings.width},
-          {"height", settings.height},
-          {"camera", settings.camera},
-          {"first_sample", settings.first_sample},
-          {"samples", settings.samples},
-          {"max_depth", settings.max_depth},
-          {"seed", settings.seed},
-          {"sampler", SAMPLER_NAMES[settings.sampler]},
-          {"techniques", techniques},
-          {"light_paths", settings.light_paths},
-          {"cache_connections", settings.cache_connections},
-          {"merge_radius", settings.merge_radius},
-          {"merge_reduction", settings.merge_reduction},
-          {"regularization", settings.regularization & REGULARIZATION_ROUGHNESS ? "roughness" : "none"},
-          {"tau", settings.tau},
-          {"tau_schedule", settings.regularization & REGULARIZATION_CONSISTENT ? "consistent" : "fixed"},
-          {"bound", BOUND_NAMES[settings.bound]},
-          {"mis", MIS_NAMES[settings.mis]},
-          {"ndf", NDF_NAMES[settings.ndf]},
-          {"shadowing", SHADOWING_NAMES[settings.shadowing]},
-          {"filter", FILTER_NAMES[settings.filter]},
-          {"filter_radius", settings.filter_radius},
-          {"filter_sigma", settings.filter_sigma}};
+  return {
+      {"width", settings.width},
+      {"height", settings.height},
+      {"camera", settings.camera},
+      {"first_sample", settings.first_sample},
+      {"samples", settings.samples},
+      {"max_depth", settings.max_depth},
+      {"seed", settings.seed},
+      {"sampler", SAMPLER_NAMES[settings.sampler]},
+      {"techniques", techniques},
+      {"light_paths", settings.light_paths},
+      {"cache_connections", settings.cache_connections},
+      {"merge_radius", settings.merge_radius},
+      {"merge_reduction", settings.merge_reduction},
+      {"regularization", regularization_name(settings.regularization)},
+      {"diffusion", (settings.regularization & REGULARIZATION_DIFFUSION) != 0},
+      {"sampler_quality", SAMPLER_QUALITY_NAMES[settings.sampler_quality]},
+      {"tau", settings.tau},
+      {"tau_schedule", settings.regularization & REGULARIZATION_CONSISTENT ? "consistent" : "fixed"},
+      {"bound", BOUND_NAMES[settings.bound]},
+      {"mis", MIS_NAMES[settings.mis]},
+      {"clamp", std::isfinite(settings.largest_contribution) ? nlohmann::json(settings.largest_contribution)
+                                                             : nlohmann::json(nullptr)},
+      {"ndf", NDF_NAMES[settings.ndf]},
+      {"shadowing", SHADOWING_NAMES[settings.shadowing]},
+      {"filter", FILTER_NAMES[settings.filter]},
+      {"filter_radius", settings.filter_radius},
+      {"filter_sigma", settings.filter_sigma}};
 }
 
 nlohmann::json scene_json(const scene::Scene& scene) {

@@ -59,7 +59,7 @@ ConnectedScattering connected_at(const Path& path, size_t i) {
   const VertexScattering& vertex = path.vertices[i];
   bool is_diffused = false;
   for (size_t j = i + 1; j < path.length(); ++j) is_diffused = is_diffused || path.vertices[j].diffuses;
-  if (is_diffused && vertex.raised) return *vertex.raised;
+  if ((is_diffused || vertex.is_always_raised) && vertex.raised) return *vertex.raised;
   return {vertex.is_delta ? dvec3(0) : vertex.value, vertex.forward, vertex.reverse, !vertex.is_delta};
 }
 
@@ -95,6 +95,7 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, co
                                     const dvec3& w_camera, const Regularization& regularization) {
   VertexScattering result;
   result.diffuses = diffuses(bsdf);
+  result.is_always_raised = !regularization.has_diffusion;
   if (!sides_agree(surface, w_light)) return result;
   const dvec3 local_light = to_material(surface, w_light);
   const dvec3 local_camera = to_material(surface, as_seen(surface, w_camera));
@@ -121,6 +122,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
   VertexScattering result;
   result.is_delta = true;
   result.diffuses = diffuses(bsdf);
+  result.is_always_raised = !regularization.has_diffusion;
   result.raised = raised_between(surface, bsdf, w_light, w_camera, true, regularization);
   result.value = factor / cos_light * normal_correction(surface, w_light);
   result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;

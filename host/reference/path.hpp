@@ -34,7 +34,8 @@ struct VertexScattering {
   double forward = 0;   ///< solid-angle pdf of w_camera for a walk that came from w_light
   double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
   bool is_delta = false;
-  bool diffuses = false;  ///< see diffuses(): what is before this vertex is regularized
+  bool diffuses = false;          ///< see diffuses(): what is before this vertex is regularized
+  bool is_always_raised = false;  ///< without path diffusion
   /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
   /// are finite there, its delta being shared by all that can find the path.
   std::optional<ConnectedScattering> raised;

@@ -12,7 +12,8 @@ namespace regulus::reference {
 /// What one iteration is regularized with.
 struct Regularization {
   bool is_on = false;
-  double tau = 100;  ///< bound on a lobe's density, 1/sr
+  bool has_diffusion = true;  ///< only what lies behind a surface that diffuses is regularized
+  double tau = 100;           ///< bound on a lobe's density, 1/sr
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
   double alpha_scale = 1;  ///< of alpha_tau: the schedule's share in this iteration

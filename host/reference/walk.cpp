@@ -95,6 +95,7 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
 Regularization regularization_of(const Settings& settings, uint32_t sample) {
   Regularization regularization;
   regularization.is_on = (settings.regularization & REGULARIZATION_ROUGHNESS) != 0;
+  regularization.has_diffusion = (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
   regularization.tau = settings.tau;
   regularization.bound = settings.bound;
   regularization.mis = settings.mis;

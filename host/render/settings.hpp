@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "interface/wavefront.h"
 
@@ -34,9 +35,12 @@ struct RenderSettings {
   float merge_reduction =
       1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
   uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
+  uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
   float tau = DEFAULT_TAU;  ///< largest density of a regularized lobe, 1/sr; infinite: as without
+  /// What one technique adds to one sample of a pixel, at most, in any channel; infinite: no clamping.
+  float largest_contribution = std::numeric_limits<float>::infinity();
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   uint32_t filter = interface::FILTER_BLACKMAN_HARRIS;

@@ -1,6 +1,7 @@
 #include "render/stages.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string_view>
 
 #include "render/shaders.hpp"
@@ -58,6 +59,8 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
                                         {SPEC_BOUND, settings.bound},
                                         {SPEC_MIS, settings.mis},
                                         {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
+                                        {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
+                                        {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
                                         {SPEC_FILTER, settings.filter},
                                         {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

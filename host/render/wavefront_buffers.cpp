@@ -50,8 +50,12 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   LightVertexPlan plan;
   plan.has_vertices = has(settings, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
   plan.has_merges = has(settings, TECHNIQUE_MERGE);
-  plan.has_sharp = has(settings, LIGHT_SUBPATH_TECHNIQUES) && settings.regularization != REGULARIZATION_NONE;
+  plan.has_sharp =
+      has(settings, LIGHT_SUBPATH_TECHNIQUES) && (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
   const bool is_paired = settings.light_paths == uint64_t{settings.width} * settings.height;
+  plan.has_histories = settings.regularization != REGULARIZATION_NONE &&
+                       (settings.sampler_quality != SAMPLER_QUALITY_OFF ||
+                        (settings.regularization & REGULARIZATION_BOTH) != 0);
   plan.is_per_wave = !has(settings, LIGHT_SUBPATH_TECHNIQUES) ||
                      (is_paired && !plan.has_merges &&
                       !(has(settings, TECHNIQUE_CONNECT) && settings.cache_connections != 0));
@@ -67,6 +71,9 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
   bytes += splats_per_path(settings) * sizeof(SplatCandidate);
   if (has_environment) bytes += sizeof(uint32_t);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
+  if (plan.has_histories)
+    bytes += sizeof(PathHistory) *
+             (plan.has_vertices ? 2 + (plan.is_per_wave ? vertices_per_path(settings) : 0) : 1);
   if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
     bytes += vertices_per_path(settings) * sizeof(PathVertex) + sizeof(LightPathHead);
@@ -86,6 +93,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.filter_sigma = settings.filter_sigma;
   frame_.camera = camera;
   frame_.tau = settings.tau;
+  frame_.largest_contribution = settings.largest_contribution;
   frame_.light_path_count = settings.light_paths;
   frame_.light_head_modulus = plan_.is_per_wave ? 0 : settings.light_paths;
   frame_.pair_capacity = static_cast<uint32_t>(capacity * pairs_per_path(settings));
@@ -115,6 +123,11 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   if (has_environment) escaped_ = per_path(sizeof(uint32_t), "escaped paths", frame_.escaped);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
+  if (plan_.has_histories)
+    path_histories_ = per_path(sizeof(PathHistory), "path histories", frame_.path_histories);
+  if (plan_.has_histories && plan_.has_vertices)
+    camera_vertex_histories_ =
+        per_path(sizeof(PathHistory), "camera vertex histories", frame_.camera_vertex_histories);
   if (plan_.has_vertices)
     camera_vertices_ = per_path(sizeof(PathVertex), "camera vertices", frame_.camera_vertices);
 
@@ -150,9 +163,11 @@ void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSet
 
 void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertices) {
   const uint64_t bytes_each = sizeof(PathVertex) + (plan_.has_sharp ? sizeof(vec2) : 0) +
+                              (plan_.has_histories ? sizeof(PathHistory) : 0) +
                               (plan_.has_merges ? sizeof(GridEntry) + sizeof(uint32_t) : 0);
   light_vertices_ = {};
   light_vertex_sharp_ = {};
+  light_vertex_histories_ = {};
   grid_ranks_ = {};
   grid_entries_ = {};
   if (vertices >= INVALID_INDEX || vertices * bytes_each > device.free_bytes())
@@ -167,6 +182,10 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
   if (plan_.has_sharp) {
     light_vertex_sharp_ = device.create_buffer(vertices * sizeof(vec2), "sharp light vertices");
     frame_.light_vertex_sharp = address(light_vertex_sharp_);
+  }
+  if (plan_.has_histories) {
+    light_vertex_histories_ = device.create_buffer(vertices * sizeof(PathHistory), "light vertex histories");
+    frame_.light_vertex_histories = address(light_vertex_histories_);
   }
   if (plan_.has_merges) {
     const uint64_t cells = std::clamp<uint64_t>(std::bit_ceil(vertices), 64, MAX_GRID_CELLS);

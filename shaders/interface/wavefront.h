@@ -23,6 +23,8 @@ REGULUS_CONSTANT SPEC_REGULARIZATION = 8u;  // REGULARIZATION_* bits
 REGULUS_CONSTANT SPEC_BOUND = 9u;           // BOUND_*
 REGULUS_CONSTANT SPEC_MIS = 10u;             // MIS_*
 REGULUS_CONSTANT SPEC_WALK = 11u;            // WALK_*: whose paths the stage moves
+REGULUS_CONSTANT SPEC_SAMPLER_QUALITY = 12u; // SAMPLER_QUALITY_*
+REGULUS_CONSTANT SPEC_CLAMP = 13u;           // 1: no contribution exceeds Frame.largest_contribution
 
 REGULUS_CONSTANT WALK_CAMERA = 0u;
 REGULUS_CONSTANT WALK_LIGHT = 1u;
@@ -45,6 +47,13 @@ REGULUS_CONSTANT SAMPLER_HASH = 1u;   // independent numbers
 REGULUS_CONSTANT REGULARIZATION_NONE = 0u;
 REGULUS_CONSTANT REGULARIZATION_ROUGHNESS = 1u;   // bsdfs are evaluated with raised roughness
 REGULUS_CONSTANT REGULARIZATION_CONSISTENT = 2u;  // which shrinks from iteration to iteration
+REGULUS_CONSTANT REGULARIZATION_VIRTUAL_MERGE = 4u;  // with ROUGHNESS, whose lobes then serve the weights alone: the
+                                                    // value is what the lobe sends into a cone around the direction
+REGULUS_CONSTANT REGULARIZATION_BOTH = 8u;           // with ROUGHNESS: beside the unregularized techniques
+REGULUS_CONSTANT REGULARIZATION_DIFFUSION = 16u;     // with ROUGHNESS: by path diffusion, what is seen sharply is left alone
+REGULUS_CONSTANT SAMPLER_QUALITY_OFF = 0u;
+REGULUS_CONSTANT SAMPLER_QUALITY_ON = 1u;      // paths that some technique samples well are not regularized
+REGULUS_CONSTANT SAMPLER_QUALITY_SMOOTH = 2u;  // with a smooth transition
 REGULUS_CONSTANT BOUND_PEAK = 0u;
 REGULUS_CONSTANT BOUND_SMITH = 1u;
 REGULUS_CONSTANT BOUND_DIRECTIONAL = 2u;
@@ -144,6 +153,18 @@ struct GridEntry {
 };
 REGULUS_LAYOUT(GridEntry, 16);
 
+// What sampler quality and `both` know of a subpath beside Path or PathVertex (lib/sampler_quality.glsl). In a path
+// between stages `plain` and `pending` do not know the length of the ray yet.
+struct PathHistory {
+  vec2 plain;         // accumulators (A, B) of the unregularized weights
+  float worst;        // least bound of a finished technique's estimator, times the squared length of the path, 1/m^2
+  float pending;      // rho-bar of the last vertex over the squared length of the edge that leads on
+  float distance;     // m, along the subpath
+  float ratio;        // rho^W / rho of the last vertex
+  float sharp_ratio;  // the same for a camera that has not diffused
+};
+REGULUS_LAYOUT(PathHistory, 28);
+
 // A contribution that counts if its segment is unoccluded.
 struct VisibilityCandidate {
   vec3 origin;
@@ -235,6 +256,10 @@ struct Frame {
   DeviceAddress escaped;             // path slots
   DeviceAddress environment_texels;  // vec3, row by row; only with a map
   DeviceAddress environment_cdf;     // see Environment; only with a map
+  // Only with sampler quality or `both`: PathHistory
+  DeviceAddress path_histories;          // per path slot
+  DeviceAddress camera_vertex_histories;  // per path slot
+  DeviceAddress light_vertex_histories;  // per light vertex
   uint width, height;
   uint light_count;
   uint seed;
@@ -255,8 +280,10 @@ struct Frame {
   float cache_connect_count;   // of a cache whose size is the expected one: M N / vertices. Walks need it in their MIS
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
+  float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
+  uint reserved;
 };
-REGULUS_LAYOUT(Frame, 464);
+REGULUS_LAYOUT(Frame, 496);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -30,6 +30,7 @@ REGULUS_BUFFER(CandidateBuffer, VisibilityCandidate);
 REGULUS_BUFFER(QueueHeadBuffer, QueueHead);
 REGULUS_BUFFER(SplatBuffer, SplatCandidate);
 REGULUS_BUFFER(PathVertexBuffer, PathVertex);
+REGULUS_BUFFER(PathHistoryBuffer, PathHistory);
 REGULUS_BUFFER(LightHeadBuffer, LightPathHead);
 REGULUS_BUFFER(ConnectionPairBuffer, ConnectionPair);
 REGULUS_BUFFER(GridEntryBuffer, GridEntry);

@@ -2,8 +2,7 @@
 #ifndef REGULUS_LIB_CAMERA_WALK_GLSL
 #define REGULUS_LIB_CAMERA_WALK_GLSL
 
-#include "lib/mis.glsl"
-#include "lib/regularization.glsl"
+#include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 
@@ -12,7 +11,7 @@ bool is_diffused(Path path) { return (path.pixel & PATH_DIFFUSED) != 0u; }
 
 // Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
 // camera sees directly is found by no other technique.
-vec3 emission_towards(Frame frame, ShadingPoint point, Path path, TechniqueCounts counts) {
+vec3 emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory history, TechniqueCounts counts) {
   if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
   if (point.surface.light == INVALID_INDEX) return vec3(0.0);
   if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
@@ -21,22 +20,44 @@ vec3 emission_towards(Frame frame, ShadingPoint point, Path path, TechniqueCount
   float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
   float area_pdf = selection_pdf / point.surface.area;
   float cos_light = abs(dot(path.direction, point.surface.geometric_normal));
-  return radiance * mis_weight_hit(counts, path, area_pdf, area_pdf * triangle_emission_pdf(point.material, cos_light));
+  float pdf_emit = area_pdf * triangle_emission_pdf(point.material, cos_light);
+  return radiance * hit_weight(frame, path, history, counts, area_pdf, pdf_emit, EMITTER_BOUND);
+}
+
+// What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
+vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+                      TechniqueCounts counts, LightSample light, vec3 wi) {
+  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
+  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
+  float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
+  float per_light = light.is_delta ? 0.0 : 1.0 / light.pdf;
+  count_copies(counts, history.ratio, bsdf.ratio, vertex);
+  float weight = mis_weight_nee(counts, vertex, bsdf.eval.pdf_forward * per_light, emission_pdf, bsdf.eval.pdf_reverse,
+                                copies(bsdf.ratio));
+  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  if (has_sampler_quality()) {
+    uint edges = path.bounce + 1u;
+    float distance = edge_length(frame, light.distance, light.is_distant);
+    float worst = min(history_worst(history, counts, bsdf.bound, camera_edge_technique(edges)),
+                      bsdf.bound * light.bound / max(square(distance), 1e-30));
+    MisVertex plain = mis_camera_vertex(counts, history.plain.x, history.plain.y, edges);
+    float plain_weight = mis_weight_nee(counts, plain, bsdf.plain.pdf_forward * per_light, emission_pdf,
+                                        bsdf.plain.pdf_reverse, 1.0);
+    float share = regularized_share(regularization, worst, history.distance + distance);
+    value = mix(bsdf.plain.value * plain_weight, value, share);
+  }
+  return value * abs(wi.z);
 }
 
 // Technique `nee`: queues a shadow segment with what it would contribute.
-void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot,
-                      vec4 u) {
+void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+                      TechniqueCounts counts, uint slot, vec4 u) {
   if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
   LightSample light = sample_light(frame, point.surface.position, u);
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
-  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
-  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
-  float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
-  float hit_ratio = light.is_delta ? 0.0 : bsdf.pdf_forward / light.pdf;
-  float weight = mis_weight_nee(counts, vertex, hit_ratio, emission_pdf, bsdf.pdf_reverse);
-  vec3 contribution = path.throughput * bsdf.value * light.radiance * (abs(wi.z) * weight / light.pdf);
+  vec3 contribution = path.throughput * light.radiance *
+                      (light_connection(frame, point, path, vertex, history, counts, light, wi) / light.pdf);
   contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
@@ -52,7 +73,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
 }
 
 // Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.
-void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts, uint slot, vec4 u) {
+void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history, TechniqueCounts counts,
+             uint slot, vec4 u) {
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction = to_world(point, next.wi);
@@ -71,9 +93,18 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
   Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
-  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
-  mis_scatter(counts, vertex, inverse_pdf, walk_pdf_ratio(point.bsdf, point.wo, next),
-              dot(direction, point.geometric_normal), path);
+  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, regularization);
+  float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
+  float cos_out = dot(direction, point.geometric_normal);
+  count_copies(counts, history.ratio, walk.ratio, vertex);
+  mis_scatter(counts, vertex, walk.inverse, pdf_ratio, cos_out, path);
+  if (has_histories()) {
+    uint edges = path.bounce + 1u;
+    MisVertex plain = mis_camera_vertex(counts, history.plain.x, history.plain.y, edges);
+    float worst = history_worst(history, counts, walk.bound, camera_edge_technique(edges));
+    history_scatter(counts, plain, worst, walk, pdf_ratio, cos_out, history);
+    STORE(PathHistoryBuffer, frame.path_histories, slot, history);
+  }
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
   if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;
@@ -82,7 +113,8 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, Techn
 }
 
 // Keeps the vertex for the connections and merges of this bounce; without edges if there are none.
-void store_camera_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, uint slot, bool is_usable) {
+void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory history, Hit hit, uint slot,
+                         bool is_usable) {
   PathVertex vertex;
   vertex.position = point.surface.position;
   vertex.link = path.medium;
@@ -94,6 +126,7 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, Hit hit, ui
   vertex.mis_b = path.mis_b;
   vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
   STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
+  if (has_histories()) STORE(PathHistoryBuffer, frame.camera_vertex_histories, slot, history);
 }
 
 #endif

@@ -14,6 +14,7 @@ struct Emission {
   float hit_term;     // |cos| at the light over (p_trace * directional pdf); environment: disk area over the pdf of its
                       // direction; 0: the light cannot be hit
   bool is_parallel;
+  float bound;        // rho-bar of the light, see lib/history.glsl, 1/sr
   // Triangle lights only, for the light as the lens sees it (techniques without `hit`):
   SurfacePoint point;
   vec3 radiance;
@@ -48,12 +49,15 @@ Emission emit_from_triangle(Frame frame, Light light, vec2 u_position, vec2 u_di
   emission.inverse_pdf = cos_over_pdf / max(local.z, MIN_MIS_COS);
   emission.hit_term = cos_over_pdf / emission.area_pdf;
   emission.is_parallel = false;
+  emission.bound = EMITTER_BOUND;
   return emission;
 }
 
 Emission emit_from_punctual(Frame frame, Light light, vec2 u_position, vec2 u_direction) {
   Emission emission;
   emission.hit_term = 0.0;
+  emission.bound = light.kind == LIGHT_POINT ? POINT_LIGHT_BOUND : EMITTER_BOUND;
+  if (light.kind == LIGHT_SPOT) emission.bound = spot_bound(light);
   emission.radiance = vec3(0.0);
   emission.area_pdf = 0.0;
   emission.is_two_sided = false;
@@ -105,6 +109,7 @@ Emission emit_from_environment(Frame frame, vec2 u_direction, vec2 u_disk) {
   emission.hit_term = emission.inverse_pdf / environment.pdf;
   emission.throughput = environment.radiance * emission.hit_term;
   emission.is_parallel = true;
+  emission.bound = EMITTER_BOUND;
   emission.radiance = vec3(0.0);
   emission.area_pdf = 0.0;
   emission.is_two_sided = false;

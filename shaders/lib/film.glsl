@@ -5,6 +5,7 @@
 #define REGULUS_LIB_FILM_GLSL
 
 #include "lib/buffers.glsl"
+#include "lib/specialization.glsl"
 
 // Adds value >= 0 to the sum that starts at word `base`.
 void film_add_channel(DeviceAddress film, uint base, float value) {
@@ -40,6 +41,13 @@ void film_add(DeviceAddress film, uint pixel, vec3 radiance) {
 // A sample that is not finite, or negative, must not reach the film: it is a bug, and is counted.
 bool is_valid_sample(vec3 radiance) {
   return !(any(isnan(radiance)) || any(isinf(radiance)) || any(lessThan(radiance, vec3(0.0))));
+}
+
+// The baseline against which regularization is compared: bright contributions are scaled down, their energy is lost.
+vec3 clamp_contribution(vec3 radiance, float largest) {
+  if (spec_clamp == 0u) return radiance;
+  float brightest = max(radiance.r, max(radiance.g, radiance.b));
+  return brightest > largest ? radiance * (largest / brightest) : radiance;
 }
 
 // A sum in the film's own units, kept in registers: any order of adding gives the same bits.

@@ -19,7 +19,14 @@ struct LightSample {
   float emission_ratio;  // area pdf of the surface point when the light emits towards it, without the cosine there,
                          // times p_trace / p_connect of the light point (math.md 3.2)
   bool is_delta;
+  float bound;    // rho-bar of the light, see lib/history.glsl, 1/sr
 };
+
+// rho-bar of lights: Lambertian emission, also of what is infinitely far away; a point light's is isotropic.
+const float EMITTER_BOUND = INV_PI;
+const float POINT_LIGHT_BOUND = 0.25 * INV_PI;
+
+float spot_bound(Light light) { return 0.5 * INV_PI / max(1.0 - light.cos_outer, 1e-6); }
 
 // Draws a light index in proportion to its selection_pdf (alias method, Vose 1991).
 uint select_light(DeviceAddress aliases, uint light_count, vec2 u) {
@@ -102,12 +109,15 @@ LightSample sample_environment_light(Frame frame, vec3 from, vec2 u) {
   result.pdf = environment.pdf;
   result.emission_ratio = INV_PI / square(frame.scene_radius);
   result.is_delta = false;
+  result.bound = EMITTER_BOUND;
   return result;
 }
 
 LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   LightSample result;
   result.is_delta = true;
+  result.bound = light.kind == LIGHT_POINT ? POINT_LIGHT_BOUND : EMITTER_BOUND;
+  if (light.kind == LIGHT_SPOT) result.bound = spot_bound(light);
   result.pdf = light.selection_pdf;
   result.is_distant = light.kind == LIGHT_DIRECTIONAL;
   if (result.is_distant) {

@@ -4,8 +4,7 @@
 #define REGULUS_LIB_LIGHT_WALK_GLSL
 
 #include "lib/camera.glsl"
-#include "lib/mis.glsl"
-#include "lib/regularization.glsl"
+#include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 
@@ -13,7 +12,7 @@ bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TE
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
-void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, Hit hit, uint head) {
+void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head) {
   uint index = ATOMIC_ADD(frame.light_vertex_count, 0u, 1u);
   if (index >= frame.light_vertex_capacity) return;
   LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
@@ -28,7 +27,8 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   vertex.mis_b = path.mis_b;
   vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
-  if (is_regularized()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
+  if (is_regularized() && has_diffusion()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
+  if (has_histories()) STORE(PathHistoryBuffer, frame.light_vertex_histories, index, history);
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
 }
 
@@ -46,17 +46,31 @@ bool is_off_film(Frame frame, vec2 film) {
 }
 
 // Technique `splat`: queues the segment to the lens with what it would contribute.
-void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, TechniqueCounts counts) {
+void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+                     TechniqueCounts counts) {
   if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
   vec3 wi = to_local_seen(point, lens.wi);
   if (!lens.is_visible || is_off_film(frame, lens.film)) return;
-  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, UNREGULARIZED);
+  Regularization regularization = regularization_of(frame, path.sample_index, false);
+  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
-  float weight = mis_weight_splat(counts, vertex, bsdf.pdf_reverse, area_pdf);
+  count_copies(counts, history.sharp_ratio, bsdf.ratio, vertex);
+  float weight = mis_weight_splat(counts, vertex, bsdf.eval.pdf_reverse, area_pdf, copies(bsdf.ratio));
+  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  if (has_sampler_quality()) {
+    uint edges = path.bounce + 1u;
+    float distance = edge_length(frame, lens.distance, frame.camera.kind == CAMERA_ORTHOGRAPHIC);
+    float worst = min(history_worst(history, counts, bsdf.bound, light_edge_technique(edges)),
+                      bsdf.bound * camera_bound(frame) / max(square(distance), 1e-30));
+    MisVertex plain = mis_light_vertex(counts, history.plain.x, history.plain.y, edges);
+    float plain_weight = mis_weight_splat(counts, plain, bsdf.plain.pdf_reverse, area_pdf, 1.0);
+    float share = regularized_share(regularization, worst, history.distance + distance);
+    value = mix(bsdf.plain.value * plain_weight, value, share);
+  }
   float correction = shading_correction(point, -path.direction, point.wo.z);
-  vec3 contribution = path.throughput * bsdf.value * (correction * area_pdf * weight / float(frame.light_path_count));
+  vec3 contribution = path.throughput * value * (correction * area_pdf / float(frame.light_path_count));
   contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), lens.distance);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =
@@ -68,8 +82,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
 
 // Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.
 // `sharp`: the vertex for a camera that has not diffused on its way here.
-void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, TechniqueCounts counts,
-                   uint slot) {
+void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
+                   TechniqueCounts counts, uint slot) {
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
@@ -86,15 +100,28 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
-  if (is_regularized()) {
-    Path sharp_path = path;
-    float sharp_inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, UNREGULARIZED);
-    mis_scatter(counts, sharp, sharp_inverse_pdf, pdf_ratio, cos_out, sharp_path);
-    STORE(Vec2Buffer, frame.light_path_sharp, slot, vec2(sharp_path.mis_a, sharp_path.mis_b));
-  }
   Regularization regularization = regularization_of(frame, path.sample_index, true);
-  float inverse_pdf = inverse_walk_pdf(point.bsdf, point.wo, next, regularization);
-  mis_scatter(counts, vertex, inverse_pdf, pdf_ratio, cos_out, path);
+  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, regularization);
+  if (is_regularized()) {
+    // Seen by a camera that has not diffused the surface here is not regularized.
+    float sharp_ratio = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : 1.0;
+    if (has_diffusion()) {
+      Path sharp_path = path;
+      count_copies(counts, history.sharp_ratio, sharp_ratio, sharp);
+      mis_scatter(counts, sharp, walk.plain_inverse, pdf_ratio, cos_out, sharp_path);
+      STORE(Vec2Buffer, frame.light_path_sharp, slot, vec2(sharp_path.mis_a, sharp_path.mis_b));
+    }
+    if (has_histories()) {
+      uint edges = path.bounce + 1u;
+      count_copies(counts, history.ratio, walk.ratio, vertex);
+      MisVertex plain = mis_light_vertex(counts, history.plain.x, history.plain.y, edges);
+      float worst = history_worst(history, counts, walk.bound, light_edge_technique(edges));
+      history_scatter(counts, plain, worst, walk, pdf_ratio, cos_out, history);
+      history.sharp_ratio = sharp_ratio;
+      STORE(PathHistoryBuffer, frame.path_histories, slot, history);
+    }
+  }
+  mis_scatter(counts, vertex, walk.inverse, pdf_ratio, cos_out, path);
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
   STORE(PathBuffer, frame.paths, slot, path);

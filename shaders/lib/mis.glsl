@@ -44,6 +44,7 @@ TechniqueCounts technique_counts(Frame frame, float merge_radius) {
 struct MisVertex {
   float a, b;
   float n;
+  float merge;  // the count of merges here
 };
 
 // Cosines below this would overflow what is divided by them.
@@ -58,17 +59,17 @@ void mis_arrive(inout Path path, float distance, float cos_here, bool is_paralle
 }
 
 MisVertex mis_light_vertex(TechniqueCounts counts, float a, float b, uint edges) {
-  return MisVertex(a, b, edges == 1u ? counts.nee : counts.connect);
+  return MisVertex(a, b, edges == 1u ? counts.nee : counts.connect, counts.merge);
 }
 
 MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges) {
-  return MisVertex(a, b, edges == 1u ? counts.splat : counts.connect);
+  return MisVertex(a, b, edges == 1u ? counts.splat : counts.connect, counts.merge);
 }
 
 // Of a stored light vertex, for a camera subpath that has diffused on its way there, or not.
 MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
   vec2 accumulators = vec2(light.mis_a, light.mis_b);
-  if (spec_regularization != REGULARIZATION_NONE && !is_diffused)
+  if ((spec_regularization & REGULARIZATION_DIFFUSION) != 0u && !is_diffused)
     accumulators = LOAD(Vec2Buffer, frame.light_vertex_sharp, index);
   return mis_light_vertex(counts, accumulators.x, accumulators.y, light.edges & PATH_VERTEX_EDGES);
 }
@@ -85,40 +86,43 @@ void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, fl
   path.mis_a = inverse_pdf;
   path.mis_b = 0.0;
   if (has_light_subpaths())
-    path.mis_b = abs(cos_out) * ((counts.merge + vertex.n * vertex.a) * inverse_pdf + pdf_ratio * vertex.b);
+    path.mis_b = abs(cos_out) * ((vertex.merge + vertex.n * vertex.a) * inverse_pdf + pdf_ratio * vertex.b);
 }
 
-// s = 0. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission, times the solid-angle pdf of
-// emitting towards the camera.
-float mis_weight_hit(TechniqueCounts counts, Path path, float pdf_connect, float pdf_emit) {
-  return 1.0 / (1.0 + counts.nee * pdf_connect * path.mis_a + pdf_emit * path.mis_b);
+// In the weights `copies` is how often the technique exists: once, or with `both` (lib/history.glsl) 1 + r.
+
+// s = 0. ab: the accumulators on arrival. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission, times
+// the solid-angle pdf of emitting towards the camera. nee_copies: of technique nee.
+float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float pdf_emit, float nee_copies) {
+  return 1.0 / (1.0 + counts.nee * nee_copies * pdf_connect * ab.x + pdf_emit * ab.y);
 }
 
 // s = 1. hit_ratio: pdf of the bsdf hitting the light over that of nee (0 for a delta light); emission_pdf: area pdf
 // of the camera vertex when the light emits towards it, times p_trace / p_connect of the light point.
 float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, float emission_pdf,
-                     float pdf_towards_camera) {
+                     float pdf_towards_camera, float copies) {
   float others = counts.hit * hit_ratio;
-  if (has_light_subpaths()) others += emission_pdf * (counts.merge + mis_subpath(camera, pdf_towards_camera));
-  return 1.0 / (1.0 + others);
+  if (has_light_subpaths()) others += emission_pdf * (camera.merge + mis_subpath(camera, pdf_towards_camera));
+  return 1.0 / (copies + others);
 }
 
 // s, t >= 2. area_pdf_light: of the light vertex, reached from the camera vertex; area_pdf_camera: the reverse.
 float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pdf_back, float area_pdf_light,
-                         MisVertex camera, float camera_pdf_back, float area_pdf_camera) {
-  float others = area_pdf_light * (counts.merge + mis_subpath(light, light_pdf_back)) +
-                 area_pdf_camera * (counts.merge + mis_subpath(camera, camera_pdf_back));
-  return counts.connect / (counts.connect + others);
+                         MisVertex camera, float camera_pdf_back, float area_pdf_camera, float copies) {
+  float others = area_pdf_light * (light.merge + mis_subpath(light, light_pdf_back)) +
+                 area_pdf_camera * (camera.merge + mis_subpath(camera, camera_pdf_back));
+  return counts.connect / (counts.connect * copies + others);
 }
 
 // t = 1. camera_area_pdf: area pdf of the light vertex when the lens samples it (film density 1 per pixel area).
-float mis_weight_splat(TechniqueCounts counts, MisVertex light, float light_pdf_back, float camera_area_pdf) {
-  return counts.splat / (counts.splat + camera_area_pdf * (counts.merge + mis_subpath(light, light_pdf_back)));
+float mis_weight_splat(TechniqueCounts counts, MisVertex light, float light_pdf_back, float camera_area_pdf,
+                       float copies) {
+  return counts.splat / (counts.splat * copies + camera_area_pdf * (light.merge + mis_subpath(light, light_pdf_back)));
 }
 
 float mis_weight_merge(TechniqueCounts counts, MisVertex light, float light_pdf_back, MisVertex camera,
-                       float camera_pdf_back) {
-  return counts.merge / (counts.merge + mis_subpath(light, light_pdf_back) + mis_subpath(camera, camera_pdf_back));
+                       float camera_pdf_back, float copies) {
+  return counts.merge / (counts.merge * copies + mis_subpath(light, light_pdf_back) + mis_subpath(camera, camera_pdf_back));
 }
 
 #endif

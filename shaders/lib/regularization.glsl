@@ -6,16 +6,18 @@
 #define REGULUS_LIB_REGULARIZATION_GLSL
 
 #include "lib/bsdf.glsl"
+#include "lib/rng.glsl"
 
 // What one path is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
 struct Regularization {
   float tau;          // 1/sr
   float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not at all
+  float full_scale;   // the same for a vertex that is regularized
 };
 
-const Regularization UNREGULARIZED = Regularization(1e30, 0.0);
+const Regularization UNREGULARIZED = Regularization(1e30, 0.0, 1.0);
 
-// What the camera sees directly, or through surfaces that are all sharp, is not regularized: mirrors, highlights and
+// Path diffusion (--diffusion off: every vertex is regularized). What the camera sees directly, or through surfaces that are all sharp, is not regularized: mirrors, highlights and
 // what is seen through glass stay as they are. Path diffusion with two levels (math.md 3.8 A): a vertex is regularized
 // if some vertex between it and the camera diffuses. That is a function of the path; light subpaths, which cannot know
 // it, keep their accumulators for both cases.
@@ -27,14 +29,19 @@ bool diffuses(Bsdf bsdf) {
 }
 
 bool is_regularized() { return (spec_regularization & REGULARIZATION_ROUGHNESS) != 0u; }
+bool has_diffusion() { return (spec_regularization & REGULARIZATION_DIFFUSION) != 0u; }
+bool is_virtual_merge() { return (spec_regularization & REGULARIZATION_VIRTUAL_MERGE) != 0u; }
+bool is_both() { return (spec_regularization & REGULARIZATION_BOTH) != 0u; }
+bool has_sampler_quality() { return is_regularized() && spec_sampler_quality != SAMPLER_QUALITY_OFF; }
+// True if paths carry a PathHistory (lib/history.glsl).
+bool has_histories() { return is_regularized() && (has_sampler_quality() || is_both()); }
 
 // is_diffused: some vertex between this one and the camera diffuses.
 Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {
-  if (!is_diffused) return UNREGULARIZED;
-  Regularization regularization = Regularization(frame.tau, 1.0);
+  float scale = 1.0;
   if ((spec_regularization & REGULARIZATION_CONSISTENT) != 0u)
-    regularization.alpha_scale = exp_accurate(log_accurate(float(iteration) + 1.0) * (-1.0 / 6.0));
-  return regularization;
+    scale = exp_accurate(log_accurate(float(iteration) + 1.0) * (-1.0 / 6.0));
+  return Regularization(frame.tau, is_diffused || !has_diffusion() ? scale : 0.0, scale);
 }
 
 // Interfaces whose indices differ by less than this share hardly bend light: no roughness blurs them (math.md 2.5),
@@ -96,6 +103,7 @@ struct RegularizedLobes {
   vec3 value;
   float pdf_forward;         // p rho^W / rho, of wi given wo
   float pdf_reverse;
+  float ratio;               // rho^W / rho; 0 where rho is a delta's
 };
 
 // is_delta_event: the pair came from sampling a delta lobe, which outweighs all others there.
@@ -125,45 +133,128 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
   float value_in_weights = diffuse + weight * blended * raised.shadowing;
   if (is_delta_event || !(diffuse > 0.0)) {
     // The density cancels from p / rho, and with it what is 0 / 0 for a delta lobe.
+    result.ratio = value > 0.0 && !is_delta_event ? value_in_weights / value : 0.0;
     float per_choice = value_in_weights / max(weight * lobes.terms.shadowing, 1e-30);
     result.pdf_forward = lobes.choice_forward * lobes.terms.visibility_o * per_choice;
     result.pdf_reverse = lobes.choice_reverse * lobes.terms.visibility_i * per_choice;
   } else {
     BsdfEval plain = evaluate_lobes(lobes);
-    float ratio = value_in_weights / value;
-    result.pdf_forward = plain.pdf_forward * ratio;
-    result.pdf_reverse = plain.pdf_reverse * ratio;
+    result.ratio = value_in_weights / value;
+    result.pdf_forward = plain.pdf_forward * result.ratio;
+    result.pdf_reverse = plain.pdf_reverse * result.ratio;
   }
   return result;
 }
 
-// What a connection or merge measures at (wo, wi), with the pdfs that its weight uses. Zero where wo or wi lies in
-// the surface.
-BsdfEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization) {
-  if (!is_regularized() || !bsdf_has_specular()) return bsdf_evaluate(bsdf, wo, wi, transport);
-  if (!(wo.z > 0.0) || wi.z == 0.0) return BsdfEval(vec3(0.0), 0.0, 0.0);
-  Encounter facet = encounter(bsdf, wo, wi);
-  Lobes lobes = bsdf_lobes(bsdf, wo, wi, facet, transport);
-  RegularizedLobes raised = regularize(bsdf, lobes, wo, wi, facet, false, regularization);
-  BsdfEval eval = BsdfEval(raised.value, raised.pdf_forward, raised.pdf_reverse);
-  if (spec_mis == MIS_UNMODIFIED) {
-    BsdfEval plain = evaluate_lobes(lobes);
-    eval.pdf_forward = plain.pdf_forward;
-    eval.pdf_reverse = plain.pdf_reverse;
+// rho-bar: the largest value of the lobe that a pair of directions belongs to, with the alpha that the walk has. A mixture's
+// is that of its lobes by their shares of the fully regularized value at the pair, which are the same for all techniques.
+float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
+  float diffuse = dot(lobes.diffuse, LUMINANCE);
+  if (!bsdf_has_specular()) return diffuse;
+  vec2 alpha = regularized_alpha(bsdf, facet, Regularization(regularization.tau, regularization.full_scale, 1.0));
+  vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, abs(wi.z));
+  MicrofacetTerms raised = microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h,
+                                            max(alpha, vec2(MIN_ALPHA)), facet.is_refracted);
+  float density = facet.is_valid ? min(raised.density * lobes.density_scale, MAX_DENSITY) : 0.0;
+  float specular = dot(lobes.weight, LUMINANCE) * density * raised.shadowing;
+  float peak_scale = 0.25;
+  if (bsdf_has_transmission() && facet.is_refracted) {
+    float eta = 1.0 / bsdf.inverse_eta;
+    peak_scale = square(max(eta, 1.0) * (eta + 1.0) / max(abs(bsdf.excess), 1e-6));
   }
-  return eval;
+  float peak = peak_scale * INV_PI / max(bsdf.alpha.x * bsdf.alpha.y, 1e-28);
+  float sum = diffuse + specular;
+  return sum > 0.0 ? (diffuse * diffuse + specular * peak) / sum : 0.0;
 }
 
-// One over the pdf that weights use for a sampled direction: 0 for a delta event that no connection can replace.
-float inverse_walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regularization) {
+// Tries of a virtual merge, stratified in the choice of the event.
+const uint VIRTUAL_MERGE_TRIES = 4u;
+
+// Virtual merge (Kaplanyan and Dachsbacher 2013 for delta lobes, Jendersie and Grosch 2019 for all): the share of what the
+// microfacet lobe scatters that falls into a cone of solid angle 1 / tau around wi, over that solid angle and cos_i. Its
+// random numbers are a hash of the directions, which are random themselves.
+vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization) {
+  float solid_angle = min(square(regularization.alpha_scale) / regularization.tau, 2.0 * PI);
+  float cos_cone = 1.0 - solid_angle * (0.5 * INV_PI);
+  uvec4 seed = pcg4d(floatBitsToUint(vec4(wi, wo.x)) ^ floatBitsToUint(vec4(wo.y, wo.z, 0.0, 0.0)));
+  vec3 sum = vec3(0.0);
+  for (uint i = 0u; i < VIRTUAL_MERGE_TRIES; ++i) {
+    vec4 u = unit_interval(pcg4d(seed + i));
+    float u_choice = min((u.x + float(i)) / float(VIRTUAL_MERGE_TRIES), ONE_MINUS_ULP);
+    FacetEvent event = sample_facet_event(bsdf, wo, u_choice, u.yz);
+    if (!event.facet.is_valid || dot(event.wi, wi) < cos_cone) continue;
+    Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
+    // The density cancels from value over pdf.
+    sum += lobes.weight * (lobes.terms.shadowing * lobes.value_scale * abs(event.wi.z) /
+                           max(event.probability * lobes.terms.visibility_o, 1e-30));
+  }
+  return sum / (float(VIRTUAL_MERGE_TRIES) * solid_angle * max(abs(wi.z), MIN_COS));
+}
+
+// A bsdf at the directions of a connection or merge.
+struct ConnectionEval {
+  BsdfEval eval;   // what is measured, with the pdfs that its weight uses
+  BsdfEval plain;  // without regularization
+  float ratio;     // see RegularizedLobes
+  float bound;     // rho-bar, 1/sr
+};
+
+const BsdfEval NO_SCATTERING = BsdfEval(vec3(0.0), 0.0, 0.0);
+
+// What a connection or merge measures at (wo, wi). Zero where wo or wi lies in the surface.
+ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization) {
+  ConnectionEval result = ConnectionEval(NO_SCATTERING, NO_SCATTERING, 1.0, 0.0);
+  if (!is_regularized() || (!bsdf_has_specular() && !has_histories())) {
+    result.eval = bsdf_evaluate(bsdf, wo, wi, transport);
+    return result;
+  }
+  if (!(wo.z > 0.0) || wi.z == 0.0) return result;
+  Encounter facet = encounter(bsdf, wo, wi);
+  Lobes lobes = bsdf_lobes(bsdf, wo, wi, facet, transport);
+  result.plain = evaluate_lobes(lobes);
+  result.eval = result.plain;
+  if (has_sampler_quality()) result.bound = estimator_bound(bsdf, lobes, wo, wi, facet, regularization);
+  if (!bsdf_has_specular()) return result;
+  RegularizedLobes raised = regularize(bsdf, lobes, wo, wi, facet, false, regularization);
+  result.ratio = raised.ratio;
+  result.eval.value = raised.value;
+  if (is_virtual_merge() && regularization.alpha_scale > 0.0 &&
+      any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha)))
+    result.eval.value = lobes.diffuse + virtual_merge(bsdf, wo, wi, transport, regularization);
+  if (spec_mis != MIS_UNMODIFIED) {
+    result.eval.pdf_forward = raised.pdf_forward;
+    result.eval.pdf_reverse = raised.pdf_reverse;
+  }
+  return result;
+}
+
+// One over the pdfs of a sampled direction that weights use.
+struct WalkPdf {
+  float inverse;        // 0 for a delta event that no connection can replace
+  float plain_inverse;  // without regularization
+  float ratio;          // see RegularizedLobes
+  float bound;          // rho-bar, 1/sr
+};
+
+WalkPdf walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regularization) {
   bool is_delta = (event.flags & BSDF_SAMPLE_DELTA) != 0u;
-  if (!is_regularized() || spec_mis == MIS_UNMODIFIED || !bsdf_has_specular())
-    return is_delta ? 0.0 : 1.0 / event.pdf_forward;
-  if (regularization.alpha_scale == 0.0) return is_delta ? 0.0 : 1.0 / event.pdf_forward;
-  if (is_delta && regularized_alpha(bsdf, event.facet, regularization).x == 0.0) return 0.0;
+  WalkPdf result;
+  result.plain_inverse = is_delta ? 0.0 : 1.0 / event.pdf_forward;
+  result.inverse = result.plain_inverse;
+  result.ratio = is_delta ? 0.0 : 1.0;
+  result.bound = 0.0;
+  if (!is_regularized()) return result;
+  if (has_sampler_quality()) {
+    Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
+    result.bound = estimator_bound(bsdf, lobes, wo, event.wi, event.facet, regularization);
+  }
+  if (spec_mis == MIS_UNMODIFIED || !bsdf_has_specular() || regularization.alpha_scale == 0.0) return result;
+  if (is_delta && regularized_alpha(bsdf, event.facet, regularization).x == 0.0) return result;
   Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
-  float pdf = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, regularization).pdf_forward;
-  return pdf > 0.0 ? 1.0 / pdf : 0.0;
+  RegularizedLobes raised = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, regularization);
+  result.inverse = raised.pdf_forward > 0.0 ? 1.0 / raised.pdf_forward : 0.0;
+  result.ratio = raised.ratio;
+  return result;
 }
 
 #endif

@@ -16,5 +16,7 @@ layout(constant_id = SPEC_REGULARIZATION) const uint spec_regularization = REGUL
 layout(constant_id = SPEC_BOUND) const uint spec_bound = BOUND_PEAK;
 layout(constant_id = SPEC_MIS) const uint spec_mis = MIS_BLENDED;
 layout(constant_id = SPEC_WALK) const uint spec_walk = WALK_CAMERA;
+layout(constant_id = SPEC_SAMPLER_QUALITY) const uint spec_sampler_quality = SAMPLER_QUALITY_OFF;
+layout(constant_id = SPEC_CLAMP) const uint spec_clamp = 0u;
 
 #endif

@@ -5,6 +5,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera_walk.glsl"
+#include "lib/film.glsl"
 #include "lib/pairs.glsl"
 
 void main() {
@@ -19,22 +20,29 @@ void main() {
   path.throughput *= transmittance(frame, path.medium, hit.t);
   mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal),
              path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
+  PathHistory history;
+  if (has_histories()) {
+    history = LOAD(PathHistoryBuffer, frame.path_histories, slot);
+    history_arrive(frame, history, hit.t, dot(path.direction, point.geometric_normal),
+                   path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
+  }
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  vec3 emitted = path.throughput * emission_towards(frame, point, path, counts);
+  vec3 emitted = path.throughput * emission_towards(frame, point, path, history, counts);
   if (any(greaterThan(emitted, vec3(0.0))))
-    STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+    STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) +
+                                                clamp_contribution(emitted, frame.largest_contribution));
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
   bool ends = path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0;
   if ((spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u)
-    store_camera_vertex(frame, point, path, hit, slot, !ends && is_connectible(point));
+    store_camera_vertex(frame, point, path, history, hit, slot, !ends && is_connectible(point));
   if (ends) return;
   MisVertex vertex = mis_camera_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   uint block = DIMENSION_BLOCKS_FIRST + path.bounce * DIMENSION_BLOCKS_PER_BOUNCE;
   uint pixel = path.pixel & PATH_PIXEL;
   vec4 light_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
   vec4 bsdf_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
-  connect_to_light(frame, point, path, vertex, counts, slot, light_u);
+  connect_to_light(frame, point, path, vertex, history, counts, slot, light_u);
   if ((spec_techniques & TECHNIQUE_CONNECT) != 0u && is_connectible(point)) append_pairs(frame, path, slot);
-  scatter(frame, point, path, vertex, counts, slot, bsdf_u);
+  scatter(frame, point, path, vertex, history, counts, slot, bsdf_u);
 }

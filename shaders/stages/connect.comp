@@ -3,8 +3,7 @@
 // reads  pairs, camera vertices, light vertices          writes  candidates
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/mis.glsl"
-#include "lib/regularization.glsl"
+#include "lib/history.glsl"
 #include "lib/shading.glsl"
 
 // Over how many connections the estimate of one camera vertex is divided.
@@ -12,6 +11,57 @@ float connection_count(Frame frame) {
   if (frame.cache_connections == 0u) return 1.0;
   float cached = float(LOAD(WordBuffer, frame.light_vertex_count, 0u));
   return float(frame.cache_connections) * float(frame.light_path_count) / cached;
+}
+
+// The two vertices of a connection.
+struct Connection {
+  ConnectionPair pair;
+  PathVertex camera, light;
+  ConnectionEval camera_bsdf, light_bsdf;
+  bool light_diffused;
+  uint iteration;
+  float distance;
+  float camera_pdf_scale, light_pdf_scale;  // solid-angle pdf towards the vertex to area pdf there
+};
+
+// Both bsdfs times the weight.
+vec3 weighted_value(Frame frame, Connection connection) {
+  PathVertex camera = connection.camera, light = connection.light;
+  ConnectionEval at_camera = connection.camera_bsdf, at_light = connection.light_bsdf;
+  TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
+  uint camera_edges = camera.edges & PATH_VERTEX_EDGES, light_edges = light.edges & PATH_VERTEX_EDGES;
+  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera_edges);
+  MisVertex light_mis = light_vertex_mis(frame, counts, light, connection.pair.vertex, connection.light_diffused);
+  PathHistory camera_history, light_history;
+  float ratios = at_camera.ratio * at_light.ratio;
+  if (has_histories()) {
+    camera_history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, connection.pair.slot);
+    light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, connection.pair.vertex);
+    count_copies(counts, camera_history.ratio, at_camera.ratio, camera_mis);
+    count_copies(counts, connection.light_diffused ? light_history.ratio : light_history.sharp_ratio, at_light.ratio,
+                 light_mis);
+  }
+  float weight = mis_weight_connect(counts, light_mis, at_light.eval.pdf_reverse,
+                                    at_camera.eval.pdf_forward * connection.light_pdf_scale, camera_mis,
+                                    at_camera.eval.pdf_reverse,
+                                    at_light.eval.pdf_forward * connection.camera_pdf_scale, copies(ratios));
+  vec3 plain_value = at_camera.plain.value * at_light.plain.value;
+  vec3 value = weighted(at_camera.eval.value * at_light.eval.value, plain_value, weight, ratios);
+  if (!has_sampler_quality()) return value;
+
+  MisVertex plain_camera = mis_camera_vertex(counts, camera_history.plain.x, camera_history.plain.y, camera_edges);
+  MisVertex plain_light = mis_light_vertex(counts, light_history.plain.x, light_history.plain.y, light_edges);
+  float plain_weight = mis_weight_connect(counts, plain_light, at_light.plain.pdf_reverse,
+                                          at_camera.plain.pdf_forward * connection.light_pdf_scale, plain_camera,
+                                          at_camera.plain.pdf_reverse,
+                                          at_light.plain.pdf_forward * connection.camera_pdf_scale, 1.0);
+  float distance = edge_length(frame, connection.distance, false);
+  float worst = min(history_worst(camera_history, counts, at_camera.bound, camera_edge_technique(camera_edges)),
+                    history_worst(light_history, counts, at_light.bound, light_edge_technique(light_edges)));
+  worst = min(worst, at_camera.bound * at_light.bound / max(square(distance), 1e-30));
+  float share = regularized_share(regularization_of(frame, connection.iteration, true), worst,
+                                  camera_history.distance + light_history.distance + distance);
+  return mix(plain_value * plain_weight, value, share);
 }
 
 void main() {
@@ -34,21 +84,18 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
-  BsdfEval camera_bsdf = bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
-                                      regularization_of(frame, path.sample_index, camera_diffused));
-  BsdfEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
-                                     regularization_of(frame, path.sample_index, light_diffused));
+  ConnectionEval camera_bsdf = bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
+                                            regularization_of(frame, path.sample_index, camera_diffused));
+  ConnectionEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
+                                           regularization_of(frame, path.sample_index, light_diffused));
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
-  TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges & PATH_VERTEX_EDGES);
-  MisVertex light_mis = light_vertex_mis(frame, counts, light, pair.vertex, light_diffused);
-  float weight = mis_weight_connect(counts, light_mis, light_bsdf.pdf_reverse, camera_bsdf.pdf_forward * light_cos,
-                                    camera_mis, camera_bsdf.pdf_reverse, light_bsdf.pdf_forward * camera_cos);
+  vec3 value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf, light_diffused,
+                                                path.sample_index, distance, camera_cos, light_cos));
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
-  vec3 contribution = camera.throughput * camera_bsdf.value * light_bsdf.value * light.throughput *
-                      (abs(camera_wi.z) * light_cos * correction * weight / connection_count(frame));
+  vec3 contribution = camera.throughput * light.throughput * value *
+                      (abs(camera_wi.z) * light_cos * correction / connection_count(frame));
   contribution *= transmittance(frame, medium_towards(camera_point, camera.link, camera_wi.z), distance);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 

@@ -3,7 +3,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/environment.glsl"
-#include "lib/mis.glsl"
+#include "lib/film.glsl"
+#include "lib/history.glsl"
+#include "lib/light.glsl"
 #include "lib/stage.glsl"
 
 void main() {
@@ -17,8 +19,15 @@ void main() {
   float weight = 1.0;
   if (path.bounce > 0u) {
     float pdf_emit = environment.pdf * INV_PI / square(frame.scene_radius);
-    weight = mis_weight_hit(technique_counts(frame, stage.merge_radius), path, environment.pdf, pdf_emit);
+    PathHistory history;
+    if (has_histories()) {
+      history = LOAD(PathHistoryBuffer, frame.path_histories, slot);
+      history_arrive(frame, history, 0.0, 1.0, true);
+    }
+    weight = hit_weight(frame, path, history, technique_counts(frame, stage.merge_radius), environment.pdf, pdf_emit,
+                        EMITTER_BOUND);
   }
-  vec3 emitted = path.throughput * environment.radiance * weight;
+  vec3 emitted =
+      clamp_contribution(path.throughput * environment.radiance * weight, frame.largest_contribution);
   STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
 }

@@ -53,5 +53,7 @@ void main() {
   path.medium = INVALID_INDEX;
   if (!(max(path.throughput.r, max(path.throughput.g, path.throughput.b)) > 0.0)) return;
   STORE(PathBuffer, frame.paths, slot, path);
+  if (has_histories())
+    STORE(PathHistoryBuffer, frame.path_histories, slot, start_history(path.mis_a, path.mis_b, emission.bound));
   append_ray(0u, slot);
 }

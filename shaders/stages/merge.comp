@@ -4,8 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
-#include "lib/mis.glsl"
-#include "lib/regularization.glsl"
+#include "lib/history.glsl"
 #include "lib/shading.glsl"
 
 // The grid entries of the cells near a point: ranges without duplicates (cells may share a hash).
@@ -37,15 +36,56 @@ Neighbourhood neighbourhood(Frame frame, vec3 position) {
   return near;
 }
 
+// A camera vertex that gathers.
+struct Gatherer {
+  ShadingPoint point;
+  PathVertex vertex;
+  MisVertex mis;
+  PathHistory history;
+  uint edges;
+  bool is_diffused;
+  Regularization regularization;
+  TechniqueCounts counts;
+};
+
+// The bsdf of a merge with light vertex `light`, number `index`, times its weight.
+vec3 weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index, vec3 wi) {
+  TechniqueCounts counts = gatherer.counts;
+  ConnectionEval bsdf =
+      bsdf_connect(gatherer.point.bsdf, gatherer.point.wo, wi, TRANSPORT_RADIANCE, gatherer.regularization);
+  MisVertex light_mis = light_vertex_mis(frame, counts, light, index, gatherer.is_diffused);
+  MisVertex camera_mis = gatherer.mis;
+  PathHistory light_history;
+  if (has_histories()) {
+    light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, index);
+    count_copies(counts, gatherer.history.ratio, bsdf.ratio, camera_mis);
+    count_copies(counts, gatherer.is_diffused ? light_history.ratio : light_history.sharp_ratio, bsdf.ratio, light_mis);
+  }
+  float weight = mis_weight_merge(counts, light_mis, bsdf.eval.pdf_forward, camera_mis, bsdf.eval.pdf_reverse,
+                                  copies(bsdf.ratio));
+  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  if (!has_sampler_quality()) return value;
+
+  uint light_edges = light.edges & PATH_VERTEX_EDGES;
+  vec2 camera_plain = gatherer.history.plain, light_plain = light_history.plain;
+  float plain_weight =
+      mis_weight_merge(counts, mis_light_vertex(counts, light_plain.x, light_plain.y, light_edges), bsdf.plain.pdf_forward,
+                       mis_camera_vertex(counts, camera_plain.x, camera_plain.y, gatherer.edges), bsdf.plain.pdf_reverse,
+                       1.0);
+  float worst = min(history_worst(gatherer.history, counts, bsdf.bound, camera_edge_technique(gatherer.edges)),
+                    history_worst(light_history, counts, bsdf.bound, light_edge_technique(light_edges)));
+  float share =
+      regularized_share(gatherer.regularization, worst, gatherer.history.distance + light_history.distance);
+  return mix(bsdf.plain.value * plain_weight, value, share);
+}
+
 // What one light vertex contributes at the camera vertex.
-vec3 merge_contribution(ShadingPoint point, PathVertex camera, MisVertex camera_mis, PathVertex light, MisVertex light_mis,
-                        TechniqueCounts counts, Regularization regularization) {
-  vec3 wi = to_local(point, light.direction);
-  if (!sides_agree(point, light.direction, wi)) return vec3(0.0);
-  BsdfEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
-  float weight = mis_weight_merge(counts, light_mis, bsdf.pdf_forward, camera_mis, bsdf.pdf_reverse);
-  float correction = shading_correction(point, light.direction, wi.z);
-  return camera.throughput * bsdf.value * light.throughput * (correction * weight / counts.merge);
+vec3 merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
+  vec3 wi = to_local(gatherer.point, light.direction);
+  if (!sides_agree(gatherer.point, light.direction, wi)) return vec3(0.0);
+  float correction = shading_correction(gatherer.point, light.direction, wi.z);
+  return gatherer.vertex.throughput * light.throughput * weighted_value(frame, gatherer, light, index, wi) *
+         (correction / gatherer.counts.merge);
 }
 
 void main() {
@@ -59,18 +99,22 @@ void main() {
   uint skipped = stage.round * MERGE_ROUND_LENGTH;
   if (near.total <= skipped) return;
 
-  ShadingPoint point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
-  TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera.edges & PATH_VERTEX_EDGES);
+  Path path = LOAD(PathBuffer, frame.paths, slot);
+  Gatherer gatherer;
+  gatherer.point =
+      shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
+  gatherer.vertex = camera;
+  gatherer.edges = camera.edges & PATH_VERTEX_EDGES;
+  gatherer.is_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
+  gatherer.regularization = regularization_of(frame, path.sample_index, gatherer.is_diffused);
+  gatherer.counts = technique_counts(frame, stage.merge_radius);
+  gatherer.mis = mis_camera_vertex(gatherer.counts, camera.mis_a, camera.mis_b, gatherer.edges);
+  if (has_histories()) gatherer.history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, slot);
   uint range = 0u, place = skipped;
   for (uint r = 0u; r < 8u && place >= near.count[range]; ++r) {
     place -= near.count[range];
     range += 1u;
   }
-  Path path = LOAD(PathBuffer, frame.paths, slot);
-  bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
-  uint camera_edges = camera.edges & PATH_VERTEX_EDGES;
-  Regularization regularization = regularization_of(frame, path.sample_index, camera_diffused);
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
   uint visits = min(near.total - skipped, MERGE_ROUND_LENGTH);
@@ -84,11 +128,10 @@ void main() {
     vec3 offset = entry.position - camera.position;
     if (dot(offset, offset) > square(stage.merge_radius)) continue;
     PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, entry.vertex);
-    if (camera_edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
-    MisVertex light_mis = light_vertex_mis(frame, counts, light, entry.vertex, camera_diffused);
-    vec3 contribution = merge_contribution(point, camera, camera_mis, light, light_mis, counts, regularization);
+    if (gatherer.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
+    vec3 contribution = merge_contribution(frame, gatherer, light, entry.vertex);
     if (is_valid_sample(contribution))
-      fixed_sum_add(sum, contribution);
+      fixed_sum_add(sum, clamp_contribution(contribution, frame.largest_contribution));
     else
       is_valid = false;
   }

@@ -27,6 +27,7 @@ void main() {
     for (int x = first.x; x <= last.x; ++x) {
       vec2 offset = vec2(x, y) + 0.5 - splat.film;
       float density = filter_density(offset, frame.filter_radius, frame.filter_sigma);
-      if (density > 0.0) film_add(frame.splat_film, uint(y * size.x + x), density * splat.segment.contribution);
+      vec3 contribution = clamp_contribution(density * splat.segment.contribution, frame.largest_contribution);
+      if (density > 0.0) film_add(frame.splat_film, uint(y * size.x + x), contribution);
     }
 }

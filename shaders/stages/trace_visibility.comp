@@ -14,6 +14,7 @@ void main() {
   bool occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (occluded) return;
+  candidate.contribution = clamp_contribution(candidate.contribution, FRAME.largest_contribution);
   if ((spec_techniques & TECHNIQUE_CONNECT) == 0u) {
     vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.path);
     STORE(Vec3Buffer, FRAME.radiance, candidate.path, radiance + candidate.contribution);
