@@ -51,7 +51,9 @@ std::string text_of(const dvec3& v) {
 }
 
 reference::Ray ray_of(const Path& path) {
-  return {dvec3(path.origin), normalize(dvec3(path.direction))};
+  reference::Ray ray{dvec3(path.origin), normalize(dvec3(path.direction))};
+  ray.decision = {path.origin, path.direction};
+  return ray;
 }
 
 class StageChecker {
@@ -108,6 +110,7 @@ class StageChecker {
         continue;  // lost in the sum either way
       const bool is_open = largest(added) > 0.5 * wanted;
       reference::Ray ray{dvec3(candidate.origin), normalize(dvec3(candidate.direction))};
+      ray.decision = {candidate.origin, candidate.direction};
       if (candidate.t_max < 1e38F) ray.t_max = candidate.t_max;
       if (is_open != subject_.world.traversal().is_occluded(ray)) {
         tally.add_error(0);

@@ -87,10 +87,20 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   return is_passed;
 }
 
+/// Blended surfaces: rays decide by their bits whether they meet one, which the reference's own rays do not
+/// share.
+bool has_blended_surfaces(const scene::Scene& scene) {
+  return std::any_of(scene.triangles.begin(), scene.triangles.end(),
+                     [&](const interface::Triangle& triangle) {
+                       return (scene.materials[triangle.material].flags & MATERIAL_ALPHA_BLEND) != 0;
+                     });
+}
+
 bool check_everything(gpu::Device& device, const check::Subject& subject) {
   const uint32_t pixels = subject.settings.width * subject.settings.height;
   fmt::print("{}\n", check::Tally::header());
   bool is_passed = true;
+  const bool is_blended = has_blended_surfaces(subject.scene);
   {
     render::RenderSettings asked = subject.settings;
     asked.techniques = WALK_TECHNIQUES;
@@ -103,12 +113,19 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
     const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.settings.first_sample);
     for (const check::Tally& tally : check_stages(same, render::Pass::Camera, camera))
       is_passed = report(tally) && is_passed;
-    for (const check::Tally& tally : check_paths(same, camera)) is_passed = report(tally) && is_passed;
+    if (!is_blended)
+      for (const check::Tally& tally : check_paths(same, camera)) is_passed = report(tally) && is_passed;
     if ((walking.techniques & TECHNIQUE_SPLAT) != 0) {
       const render::Recording light = recorder.record(render::Pass::Light, 0, subject.settings.first_sample);
       for (const check::Tally& tally : check_stages(same, render::Pass::Light, light))
         is_passed = report(tally) && is_passed;
     }
+  }
+  if (is_blended) {
+    fmt::print(
+        "whole paths, connections and images are not compared: what a ray does at a blended surface hangs on "
+        "its bits\n");
+    return is_passed;
   }
   // Images would repeat it at best; lists that are broken may crash the driver.
   if (!check_sorted_and_connected(device, subject)) return false;

@@ -72,14 +72,17 @@ LightPoint sample_light_point(const World& world, uint32_t index, const dvec2& u
   LightPoint point;
   point.light = index;
   point.kind = light.kind;
-  if (point.is_triangle())
-    point.surface = world.surface_at(light.triangle, sample_triangle(u));
-  else if (light.kind == LIGHT_ENVIRONMENT)
+  if (point.is_triangle()) {
+    const dvec2 barycentrics = sample_triangle(u);
+    point.surface = world.surface_at(light.triangle, barycentrics);
+    point.coverage = coverage_at(world.scene(), light.triangle, barycentrics);
+  } else if (light.kind == LIGHT_ENVIRONMENT) {
     point.direction = sample_environment(*world.scene().environment, u);
-  else if (light.kind == LIGHT_DIRECTIONAL)
+  } else if (light.kind == LIGHT_DIRECTIONAL) {
     point.direction = -dvec3(light.direction);
-  else
+  } else {
     point.surface.position = light.position;
+  }
   return point;
 }
 
@@ -113,7 +116,7 @@ dvec3 emitted(const World& world, const LightPoint& point, const dvec3& directio
   if (point.is_triangle()) {
     const double cosine = dot(direction, point.surface.geometric_normal);
     const bool emits = cosine > 0 || (cosine < 0 && world.emits_from_both_sides(point.surface));
-    return emits ? world.emission_at(point.surface) : dvec3(0);
+    return emits ? point.coverage * world.emission_at(point.surface) : dvec3(0);
   }
   if (point.kind == LIGHT_ENVIRONMENT)
     return environment_radiance(*world.scene().environment, point.direction);

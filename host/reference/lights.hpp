@@ -26,6 +26,8 @@ struct LightPoint {
   uint32_t kind = interface::LIGHT_TRIANGLE;
   Surface surface;  ///< triangles: all of it; point and spot lights: the position; distant lights: nothing
   glm::dvec3 direction{0};  ///< distant lights: unit, towards the light
+  /// Share of the surface that is there, where the point was sampled; a ray that hit it has decided already.
+  double coverage = 1;
 
   bool is_triangle() const { return kind == interface::LIGHT_TRIANGLE; }
   bool is_distant() const { return reference::is_distant(kind); }

@@ -1,5 +1,6 @@
 #include "reference/subpaths.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace regulus::reference {
@@ -154,8 +155,10 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
                                           const CameraSubpath& camera, size_t camera_edges) {
   const WalkVertex& at = camera.vertices[camera_edges - 1];
   const WalkVertex& other = light.vertices[light_edges - 1];
+  // Both walks met the surface with the probability of its coverage, of which the path has one factor.
+  const double coverage = std::max(at.surface.coverage, 1e-3);
   SampledPath sampled{path_of_length(light_edges + camera_edges), TECHNIQUE_MERGE, light_edges,
-                      at.survival * other.survival};
+                      at.survival * other.survival * coverage};
   Path& path = sampled.path;
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);

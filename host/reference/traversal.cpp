@@ -1,9 +1,13 @@
 #include "reference/traversal.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <utility>
 #include <vector>
+
+#include "reference/rng.hpp"
+#include "scene/texture.hpp"
 
 namespace regulus::reference {
 
@@ -83,6 +87,42 @@ std::optional<Intersection> intersect(const Ray& ray, const dvec3 (&vertices)[3]
   return Intersection{t, {e1 / determinant, e2 / determinant}, INVALID_INDEX};
 }
 
+double coverage_at(const scene::Scene& scene, uint32_t index, const glm::dvec2& barycentrics) {
+  const Triangle& triangle = scene.triangles[index];
+  const Material& material = scene.materials[triangle.material];
+  if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0) return 1;
+  const uint32_t corners[3] = {triangle.v0, triangle.v1, triangle.v2};
+  const double weights[3] = {1 - barycentrics.x - barycentrics.y, barycentrics.x, barycentrics.y};
+  glm::dvec2 uv(0);
+  double of_vertices = scene.vertex_colors.empty() ? 1 : 0;
+  for (int i = 0; i < 3; ++i) {
+    uv += weights[i] * glm::dvec2(scene.vertices[corners[i]].uv);
+    if (!scene.vertex_colors.empty())
+      of_vertices += weights[i] * static_cast<double>(scene.vertex_colors[corners[i]].a);
+  }
+  double alpha = material.alpha * of_vertices;
+  if (material.alpha_texture != INVALID_INDEX)
+    alpha *= static_cast<double>(
+        scene::sample_texture(scene, scene.textures[material.alpha_texture], glm::vec2(uv)).a);
+  if ((material.flags & MATERIAL_ALPHA_MASK) != 0) return alpha >= material.alpha_cutoff ? 1 : 0;
+  return alpha;
+}
+
+bool Traversal::is_covered(const Ray& ray, const Intersection& hit) const {
+  if (scene_ == nullptr) return true;
+  const double coverage = coverage_at(*scene_, hit.triangle, hit.barycentrics);
+  if (coverage >= 1) return true;
+  const glm::vec3 origin = ray.decision ? (*ray.decision)[0] : glm::vec3(ray.origin);
+  const glm::vec3 direction = ray.decision ? (*ray.decision)[1] : glm::vec3(ray.direction);
+  const auto bits_of = [](float value) { return std::bit_cast<uint32_t>(value); };
+  // hash_bits takes its stream first: PCG4D of (origin, direction.x), then of that and the rest.
+  const RandomBits first =
+      hash_bits(bits_of(direction.x), bits_of(origin.x), bits_of(origin.y), bits_of(origin.z));
+  const RandomBits bits = hash_bits(first[3], first[0] ^ bits_of(direction.y),
+                                    first[1] ^ bits_of(direction.z), first[2] ^ hit.triangle);
+  return unit_interval(bits[0]) < coverage;
+}
+
 void Traversal::intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const {
   const uint32_t first = reference & BVH_LEAF_FIRST_MASK;
   const uint32_t count = ((reference & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1;
@@ -92,6 +132,7 @@ void Traversal::intersect_leaf(uint32_t reference, Ray& ray, std::optional<Inter
     auto hit = intersect(ray, {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)});
     if (!hit) continue;
     hit->triangle = i;
+    if ((triangle.tag & TRIANGLE_TAG_ALPHA) != 0 && !is_covered(ray, *hit)) continue;
     ray.t_max = hit->t;
     nearest = hit;
   }

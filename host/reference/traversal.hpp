@@ -2,12 +2,14 @@
 // boxes only cull, so the answer is that of testing every triangle.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
 
 #include "bvh/bvh.hpp"
+#include "scene/scene.hpp"
 
 namespace regulus::reference {
 
@@ -19,7 +21,13 @@ struct Ray {
   double t_max = std::numeric_limits<double>::infinity();
   uint32_t skip_first = interface::INVALID_INDEX;
   uint32_t skip_last = interface::INVALID_INDEX;
+  /// What a blended surface decides with whether the ray meets it: the device's bits of origin and direction;
+  /// those of the members above if empty.
+  std::optional<std::array<glm::vec3, 2>> decision = std::nullopt;
 };
+
+/// Share of the surface that is there at barycentrics of a triangle: 1, or by the alpha of its material.
+double coverage_at(const scene::Scene& scene, uint32_t triangle, const glm::dvec2& barycentrics);
 
 /// Where a ray meets a triangle; p = (1 - u - v) p0 + u p1 + v p2.
 struct Intersection {
@@ -35,8 +43,9 @@ std::optional<Intersection> intersect(const Ray& ray, const glm::dvec3 (&vertice
 /// The scene's triangles under a tree.
 class Traversal {
  public:
-  /// `tree` must outlive the object.
-  explicit Traversal(const bvh::Bvh& tree) : tree_(tree) {}
+  /// Both must outlive the object. Without a scene all surfaces are whole.
+  explicit Traversal(const bvh::Bvh& tree, const scene::Scene* scene = nullptr)
+      : tree_(tree), scene_(scene) {}
 
   /// The nearest intersection of the ray, if there is one.
   std::optional<Intersection> closest(const Ray& ray) const;
@@ -48,7 +57,10 @@ class Traversal {
   std::optional<Intersection> run(Ray ray, bool any_hit) const;
   void intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const;
 
+  bool is_covered(const Ray& ray, const Intersection& hit) const;
+
   const bvh::Bvh& tree_;
+  const scene::Scene* scene_;
 };
 
 }  // namespace regulus::reference

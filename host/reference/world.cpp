@@ -27,7 +27,7 @@ constexpr double MIN_MAPPED_COS = 0.01;
 
 World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing)
     : scene_(scene),
-      traversal_(tree),
+      traversal_(tree, &scene),
       ndf_(ndf),
       shadowing_(shadowing),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
@@ -62,6 +62,7 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
     surface.color = b.x * glm::dvec4(scene_.vertex_colors[triangle.v0]) +
                     b.y * glm::dvec4(scene_.vertex_colors[triangle.v1]) +
                     b.z * glm::dvec4(scene_.vertex_colors[triangle.v2]);
+  surface.coverage = coverage_at(scene_, index, barycentrics);
   surface.triangle = index;
   surface.material = triangle.material;
   surface.light = triangle.light;

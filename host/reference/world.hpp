@@ -18,6 +18,7 @@ struct Surface {
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
   glm::dvec2 uv{0};
   glm::dvec4 color{1};  ///< vertex colour
+  double coverage = 1;  ///< share of the surface that is there
   double area = 0;      ///< of the triangle, m^2
   uint32_t triangle = interface::INVALID_INDEX;
   uint32_t material = interface::INVALID_INDEX;

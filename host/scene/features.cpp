@@ -48,6 +48,9 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   if (material.normal_texture != INVALID_INDEX)
     bits |= interface::FEATURE_NORMAL_MAPS | interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_TEXTURES;
+  if ((material.flags & (interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND)) != 0)
+    bits |= interface::FEATURE_ALPHA;
+  if (material.alpha_texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   const bool is_volume = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
                          (material.flags & interface::MATERIAL_VOLUME) != 0;
   if (is_volume && material.absorption != glm::vec3(0)) bits |= interface::FEATURE_ABSORPTION;
@@ -103,7 +106,9 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_NORMAL_MAPS, "normal_maps", "tangents and normal maps"},
       FeatureDescription{FEATURE_ENVIRONMENT, "environment",
                          "what rays that leave the scene meet, its sampling and its weight"},
-      FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"}};
+      FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"},
+      FeatureDescription{FEATURE_ALPHA, "alpha",
+                         "the question whether a surface is there, in traversal and light sampling"}};
   return DESCRIPTIONS;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cfloat>
 #include <cmath>
+#include <glm/gtc/packing.hpp>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@ using interface::INVALID_INDEX;
 using tinygltf::Value;
 
 constexpr double INFINITE_IOR = 1e6;
+constexpr uint32_t ALPHA_FLAGS = interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND;
 
 bool is_unlit(const tinygltf::Material& material) {
   return material.extensions.count("KHR_materials_unlit") != 0;
@@ -40,6 +42,8 @@ class MaterialBuilder {
     material.metallic_roughness_texture = INVALID_INDEX;
     material.emissive_texture = INVALID_INDEX;
     material.transmission_texture = INVALID_INDEX;
+    material.alpha_texture = INVALID_INDEX;
+    set_alpha(material);
     material.normal_texture = INVALID_INDEX;
     material.normal_scale = in_range(source_.normalTexture.scale, -FLT_MAX, FLT_MAX, "normalTexture scale");
     if (source_.doubleSided) material.flags |= interface::MATERIAL_DOUBLE_SIDED;
@@ -48,7 +52,6 @@ class MaterialBuilder {
     set_emission(material);
     if (is_unlit(source_)) make_unlit(material);
     material.material_class = classify(material);
-    warn_of_ignored();
     return material;
   }
 
@@ -112,6 +115,17 @@ class MaterialBuilder {
     }
   }
 
+  /// The flags say what the file asks for; add_materials clears them where nothing is less than whole.
+  void set_alpha(interface::Material& material) {
+    material.alpha = factor(source_.pbrMetallicRoughness.baseColorFactor[3], "baseColorFactor alpha");
+    material.alpha_cutoff = in_range(source_.alphaCutoff, 0, FLT_MAX, "alphaCutoff");
+    if (source_.alphaMode == "MASK") material.flags |= interface::MATERIAL_ALPHA_MASK;
+    if (source_.alphaMode == "BLEND") material.flags |= interface::MATERIAL_ALPHA_BLEND;
+    if (source_.alphaMode != "MASK" && source_.alphaMode != "BLEND" && source_.alphaMode != "OPAQUE" &&
+        !source_.alphaMode.empty())
+      document_.warn(fmt::format("{}: alphaMode '{}' is not known: opaque", name_, source_.alphaMode));
+  }
+
   void set_emission(interface::Material& material) {
     const double strength = number(extension("KHR_materials_emissive_strength"), "emissiveStrength", 1);
     for (int i = 0; i < 3; ++i)
@@ -127,7 +141,8 @@ class MaterialBuilder {
     material.base_color = material.specular_color = glm::vec3(0);
     material.metallic = material.specular = material.transmission = 0;
     material.absorption = glm::vec3(0);
-    material.flags = interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_UNLIT;
+    material.flags &= ALPHA_FLAGS;
+    material.flags |= interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_UNLIT;
     if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
   }
 
@@ -142,11 +157,6 @@ class MaterialBuilder {
 
   void ignored(const char* what) { document_.warn(fmt::format("{}: {} is not read", name_, what)); }
 
-  void warn_of_ignored() {
-    if (!source_.alphaMode.empty() && source_.alphaMode != "OPAQUE")
-      document_.warn(fmt::format("{}: alphaMode {} is not read: opaque", name_, source_.alphaMode));
-  }
-
   Document& document_;
   const tinygltf::Material& source_;
   std::string name_;
@@ -159,6 +169,8 @@ class TextureSlots {
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
+    if ((material.flags & ALPHA_FLAGS) != 0)
+      material.alpha_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
     if (is_unlit(source_)) {
       if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
         material.emissive_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
@@ -186,6 +198,35 @@ class TextureSlots {
   const tinygltf::Material& source_;
 };
 
+/// Least alpha of a texture's texels.
+float least_alpha(const Scene& scene, const interface::Texture& texture) {
+  float least = 1;
+  const size_t count = static_cast<size_t>(texture.width) * texture.height;
+  for (size_t i = 0; i < count; ++i)
+    least = std::min(least, glm::unpackHalf2x16(scene.texels[2 * (texture.first_texel + i) + 1]).y);
+  return least;
+}
+
+/// Materials that are whole everywhere lose their flags: many exporters write BLEND for everything.
+void drop_needless_alpha(Scene& scene) {
+  float least_of_vertices = 1;
+  for (const glm::vec4& color : scene.vertex_colors) least_of_vertices = std::min(least_of_vertices, color.a);
+  for (interface::Material& material : scene.materials) {
+    if ((material.flags & ALPHA_FLAGS) == 0) continue;
+    const float of_texture = material.alpha_texture == INVALID_INDEX
+                                 ? 1
+                                 : least_alpha(scene, scene.textures[material.alpha_texture]);
+    if (of_texture == 1) material.alpha_texture = INVALID_INDEX;
+    const float least = material.alpha * of_texture * least_of_vertices;
+    const bool is_mask = (material.flags & interface::MATERIAL_ALPHA_MASK) != 0;
+    // Interpolation may round the least value down a little.
+    const float needed = is_mask ? material.alpha_cutoff * 1.0001f : 1;
+    if (least < needed) continue;
+    material.flags &= ~ALPHA_FLAGS;
+    material.alpha_texture = INVALID_INDEX;
+  }
+}
+
 }  // namespace
 
 bool needs_tangents(const tinygltf::Material& material) {
@@ -211,6 +252,7 @@ void add_materials(Document& document, Scene& scene) {
     scene.materials.push_back(MaterialBuilder(document, standard, "default material").build());
     scene.material_names.emplace_back();
   }
+  drop_needless_alpha(scene);
 }
 
 }  // namespace regulus::scene

@@ -32,6 +32,8 @@ REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scatteri
 REGULUS_CONSTANT MATERIAL_VOLUME = 2u;        // refracting boundary of a solid; clear: transmission is thin-walled
 REGULUS_CONSTANT MATERIAL_EMISSIVE = 4u;
 REGULUS_CONSTANT MATERIAL_UNLIT = 8u;           // its emission is its base colour: vertex colours scale it
+REGULUS_CONSTANT MATERIAL_ALPHA_MASK = 16u;     // not there where alpha is below the cut-off
+REGULUS_CONSTANT MATERIAL_ALPHA_BLEND = 32u;    // there with the probability alpha
 
 // Material classes: which lobes a material can have, so that each class has its own bounce queue and a
 // pipeline without the code of the other lobes. In a triangle's tag (see bvh.h) the low 8 bits.
@@ -39,6 +41,9 @@ REGULUS_CONSTANT MATERIAL_CLASS_DIFFUSE = 0u;       // Lambert only
 REGULUS_CONSTANT MATERIAL_CLASS_OPAQUE = 1u;        // Lambert and microfacet reflection
 REGULUS_CONSTANT MATERIAL_CLASS_TRANSMISSIVE = 2u;  // Lambert, microfacet reflection and transmission
 REGULUS_CONSTANT MATERIAL_CLASS_COUNT = 3u;
+
+// In a triangle's tag, beside the material class: rays ask whether the surface is there.
+REGULUS_CONSTANT TRIANGLE_TAG_ALPHA = 256u;
 
 // glTF metallic-roughness with the extensions we read. The model it parametrizes is in
 // shaders/lib/bsdf.glsl. Texture indices are INVALID_INDEX where absent.
@@ -60,8 +65,18 @@ struct Material {
   uint transmission_texture;        // R
   uint normal_texture;              // RGB: 2 texel - 1 along tangent, bitangent and normal
   float normal_scale;               // of the first two
+  float alpha;                      // factor
+  float alpha_cutoff;
+  uint alpha_texture;               // A
+  float clearcoat;                  // [0, 1]
+  float clearcoat_roughness;        // perceptual
+  uint clearcoat_texture;           // R
+  uint clearcoat_roughness_texture; // G
+  float anisotropy;                 // strength, [0, 1]: alpha along the direction is mix(alpha, 1, strength^2)
+  vec2 anisotropy_direction;        // unit, in the tangent frame: where the roughness is stretched to
+  uint anisotropy_texture;          // RG: 2 texel - 1, a direction turned with anisotropy_direction; B: strength
 };
-REGULUS_LAYOUT(Material, 100);
+REGULUS_LAYOUT(Material, 144);
 
 // Wrap modes (glTF sampler) and filters, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

@@ -76,6 +76,9 @@ REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
 REGULUS_CONSTANT FEATURE_ENVIRONMENT = 1024u;      // light from all directions
 REGULUS_CONSTANT FEATURE_ENVIRONMENT_MAP = 2048u;  // that differs between them
+REGULUS_CONSTANT FEATURE_ALPHA = 1u << 18;          // some surface is masked or blended
+REGULUS_CONSTANT FEATURE_CLEARCOAT = 1u << 19;      // some material has a clearcoat
+REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotropic
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;

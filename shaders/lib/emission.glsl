@@ -2,6 +2,7 @@
 #ifndef REGULUS_LIB_EMISSION_GLSL
 #define REGULUS_LIB_EMISSION_GLSL
 
+#include "lib/coverage.glsl"
 #include "lib/light.glsl"
 #include "lib/mis.glsl"
 
@@ -34,6 +35,7 @@ Emission emit_from_triangle(Frame frame, Light light, vec2 u_position, vec2 u_di
   Emission emission;
   emission.point = point_on_triangle(v0.position, v1.position, v2.position, barycentrics);
   emission.radiance = emitted_radiance(frame, material, light.intensity, uv, vertex_color(frame, triangle, barycentrics));
+  emission.radiance *= coverage_at(frame, triangle, barycentrics);
   emission.is_two_sided = (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
   bool is_back = emission.is_two_sided && u_direction.x >= 0.5;
   if (emission.is_two_sided) u_direction.x = 2.0 * u_direction.x - (is_back ? 1.0 : 0.0);

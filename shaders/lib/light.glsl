@@ -3,6 +3,7 @@
 #ifndef REGULUS_LIB_LIGHT_GLSL
 #define REGULUS_LIB_LIGHT_GLSL
 
+#include "lib/coverage.glsl"
 #include "lib/environment.glsl"
 #include "lib/geometry.glsl"
 #include "lib/sampling.glsl"
@@ -89,7 +90,8 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
     emission_pdf = triangle_emission_pdf(material, abs(cos_light));
     radiance = emitted_radiance(frame, material, radiance, uv, vertex_color(frame, triangle, barycentrics));
   }
-  result.radiance = emits ? radiance : vec3(0.0);
+  // Rays that hit the light meet it with the probability of its coverage.
+  result.radiance = emits ? radiance * coverage_at(frame, triangle, barycentrics) : vec3(0.0);
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
   result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);
   result.emission_ratio = emission_pdf / max(square(result.distance), 1e-30);

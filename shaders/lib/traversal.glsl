@@ -17,6 +17,12 @@
 
 #include "interface/wavefront.h"
 
+// Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction). lib/alpha.glsl,
+// if it was included before, knows; otherwise all surfaces are whole.
+#ifndef TRAVERSAL_IS_COVERED
+#define TRAVERSAL_IS_COVERED(tag, triangle, barycentrics, origin, direction) true
+#endif
+
 // Rays that were given up because they reached TRAVERSAL_MAX_STEPS; the hit found so far is returned.
 uint traversal_overrun = 0u;
 
@@ -325,7 +331,8 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
       for (uint i = first; i < end; ++i) {
         vec3 tuv;
         uint triangle_tag;
-        if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag)) {
+        if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag) &&
+            TRAVERSAL_IS_COVERED(triangle_tag, i, tuv.yz, origin, direction)) {
           hit = Hit(tuv.x, tuv.y, tuv.z, i);
           tag = triangle_tag;
           if (any_hit) i = end;

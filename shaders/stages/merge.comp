@@ -2,6 +2,7 @@
 // reads  bounce queue of spec_material_class, camera vertices, grid, light vertices          writes  film
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/coverage.glsl"
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
 #include "lib/history.glsl"
@@ -35,6 +36,9 @@ Neighbourhood neighbourhood(Frame frame, vec3 position) {
   }
   return near;
 }
+
+// Surfaces that are hardly there are hardly met: what is lost by this bound is of its size.
+const float MIN_COVERAGE = 1e-3;
 
 // A camera vertex that gathers.
 struct Gatherer {
@@ -104,6 +108,9 @@ void main() {
   gatherer.point =
       shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
   gatherer.vertex = camera;
+  // Both subpaths met the surface with the probability of its coverage, of which the path has one factor.
+  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, camera.triangle);
+  gatherer.vertex.throughput /= max(coverage_at(frame, triangle, camera.barycentrics), MIN_COVERAGE);
   gatherer.edges = camera.edges & PATH_VERTEX_EDGES;
   gatherer.is_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   gatherer.regularization = regularization_of(frame, path.sample_index, gatherer.is_diffused);

@@ -3,6 +3,7 @@
 // reads  ray queue, paths          writes  hits, bounce queues, escaped paths
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/alpha.glsl"
 #include "lib/stage.glsl"
 #include "lib/traversal.glsl"
 

@@ -2,6 +2,7 @@
 // reads  splat candidates          writes  splat film
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/alpha.glsl"
 #include "lib/camera.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"

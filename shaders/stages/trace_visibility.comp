@@ -3,6 +3,7 @@
 // reads  candidates          writes  radiance or film
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/alpha.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"
 #include "lib/traversal.glsl"

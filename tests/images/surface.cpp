@@ -1,4 +1,4 @@
-// What surfaces may carry beside factors: vertex colours, normal maps. Against closed forms.
+// What surfaces may carry beside factors: vertex colours, normal maps, alpha. Against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -163,6 +163,63 @@ TEST_F(Surfaces, MappedNormalsAreNotBlackForBeingSeenAtASlant) {
   EXPECT_NEAR(image(1, 1), lit, ROUNDING * lit);
   EXPECT_NEAR(image(-1, 1), lit, ROUNDING * lit);
   EXPECT_EQ(image(1, -1), 0);
+}
+
+json unlit(const dvec3& color, double alpha = 1, const char* mode = "OPAQUE") {
+  json material = lambert(color);
+  material["extensions"] = {{"KHR_materials_unlit", json::object()}};
+  material["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha;
+  material["alphaMode"] = mode;
+  return material;
+}
+
+// A masked pattern of 4 x 4 texels before a red wall: factor, texel and vertex colour together reach the
+// cut-off or not, and edges lie where the texels end.
+TEST_F(Surfaces, MasksCutWhereTheTexelsEnd) {
+  GltfScene scene = above_square();
+  std::vector<uint8_t> rgba;
+  for (int i = 0; i < 16; ++i) rgba.insert(rgba.end(), {255, 255, 255, static_cast<uint8_t>(i * 16)});
+  json mask = unlit({1, 1, 1}, 0.8, "MASK");
+  mask["alphaCutoff"] = 0.2;
+  mask["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", scene.add_texture(4, rgba, true)}};
+  Corners corners;
+  corners.uvs = SQUARE_UVS;
+  corners.colors.assign(4, {1, 1, 1, 0.5});
+  scene.add({SQUARE}, mask, glm::dmat4(1), corners);
+  scene.add({quad({-1, -1, -0.2}, {2, 0, 0}, {0, 2, 0})}, unlit({1, 0, 0}));
+  expect_image("mask", scene, [](const dvec2& p) {
+    const int column = static_cast<int>(2 * (p.x + 1)), row = static_cast<int>(2 * (1 - p.y));
+    const bool is_there = 0.5 * 0.8 * ((4 * row + column) * 16 / 255.0) >= 0.2;
+    return is_there ? dvec3(1) : dvec3(1, 0, 0);
+  });
+}
+
+// A blended pane shows alpha of itself and the rest of what is behind; its shadow takes alpha of the light.
+// Rays decide at random: the bound is five standard deviations of as many decisions.
+TEST_F(Surfaces, BlendedSurfacesAreThereByChance) {
+  const uint32_t samples = is_slow_device() ? 16 : 64;
+  constexpr double ALPHA = 0.3;
+  GltfScene seen = above_square();
+  seen.add({SQUARE}, unlit({1, 0.5, 0.25}, ALPHA, "BLEND"));
+  seen.add({quad({-1, -1, -0.2}, {2, 0, 0}, {0, 2, 0})}, unlit({0, 0.25, 1}));
+  const auto mean = mean_of(render(prepare(seen), box_filtered(SIZE, SIZE, samples, 2)).image);
+  const double deviation = std::sqrt(ALPHA * (1 - ALPHA) / (SIZE * SIZE * samples));
+  const dvec3 front(1, 0.5, 0.25), back(0, 0.25, 1);
+  for (int c = 0; c < 3; ++c) {
+    const double known = ALPHA * front[c] + (1 - ALPHA) * back[c];
+    std::printf("blend: %.5f, known %.5f, deviation %.2g\n", mean[static_cast<size_t>(c)], known, deviation);
+    EXPECT_NEAR(mean[static_cast<size_t>(c)], known, 5 * deviation * std::abs(front[c] - back[c]));
+  }
+
+  // Between camera and lit plane there is nothing: the pane lies beyond the film's square as seen from the
+  // light.
+  GltfScene lit = above_square();
+  lit.add({SQUARE}, lambert({1, 1, 1}));
+  lit.add({quad({-20, -20, 2}, {40, 0, 0}, {0, 40, 0})}, unlit({0, 0, 0}, ALPHA, "BLEND"));
+  lit.add_directional_light({0, 0, -1}, pi);
+  const double lit_mean = mean_of(render(prepare(lit), box_filtered(SIZE, SIZE, samples, 2)).image)[0];
+  std::printf("shadow: %.5f, known %.5f\n", lit_mean, 1 - ALPHA);
+  EXPECT_NEAR(lit_mean, 1 - ALPHA, 5 * deviation);
 }
 
 }  // namespace

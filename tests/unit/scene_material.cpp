@@ -151,11 +151,38 @@ TEST(SceneMaterial, FactorsOutOfRangeAreClampedWithAWarning) {
 TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
   Gltf file;
   const size_t texture = file.texture(make_png(1, 1, 3, 8, {0, 0, 0}));
-  file.triangle_of({{"alphaMode", "MASK"}, {"normalTexture", {{"index", texture}}}});
+  file.triangle_of({{"alphaMode", "DITHER"}, {"normalTexture", {{"index", texture}}}});
   file.root["extensionsUsed"] = {"KHR_materials_sheen"};
   const Scene scene = file.load();
-  EXPECT_TRUE(has_warning(scene, "alphaMode MASK"));
+  EXPECT_TRUE(has_warning(scene, "alphaMode 'DITHER'"));
   EXPECT_TRUE(has_warning(scene, "KHR_materials_sheen"));
+}
+
+// Alpha is asked for where something is less than whole, by factor, texture or vertex.
+TEST(SceneMaterial, AlphaIsDroppedWhereSurfacesAreWhole) {
+  constexpr uint32_t ALPHA = interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND;
+  const auto flags_of = [](const char* mode, double factor, uint16_t texel, double cutoff, double of_vertex) {
+    Gltf file;
+    const size_t texture = file.texture(make_png(1, 1, 4, 8, {255, 255, 255, texel}));
+    file.root["materials"] = {
+        {{"alphaMode", mode},
+         {"alphaCutoff", cutoff},
+         {"pbrMetallicRoughness",
+          {{"baseColorFactor", {1, 1, 1, factor}}, {"baseColorTexture", {{"index", texture}}}}}}};
+    const std::vector<float> colors = {1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, static_cast<float>(of_vertex)};
+    file.triangle({{"material", 0},
+                   {"attributes",
+                    {{"POSITION", file.positions({0, 0, 0, 1, 0, 0, 0, 1, 0})},
+                     {"COLOR_0", file.accessor(colors, "VEC4", FLOAT)}}}});
+    return file.load().materials.at(0).flags & ALPHA;
+  };
+  EXPECT_EQ(flags_of("OPAQUE", 0.25, 51, 0.5, 0.5), 0u);
+  EXPECT_EQ(flags_of("BLEND", 1, 255, 0.5, 1), 0u);
+  EXPECT_EQ(flags_of("BLEND", 0.5, 255, 0.5, 1), interface::MATERIAL_ALPHA_BLEND);
+  EXPECT_EQ(flags_of("BLEND", 1, 254, 0.5, 1), interface::MATERIAL_ALPHA_BLEND);
+  EXPECT_EQ(flags_of("BLEND", 1, 255, 0.5, 0.5), interface::MATERIAL_ALPHA_BLEND);
+  EXPECT_EQ(flags_of("MASK", 0.75, 204, 0.5, 1), 0u);  // 0.6 everywhere
+  EXPECT_EQ(flags_of("MASK", 0.75, 102, 0.5, 1), interface::MATERIAL_ALPHA_MASK);
 }
 
 TEST(SceneTexture, ColorsAreDecodedFromSrgbAndDataIsNot) {
