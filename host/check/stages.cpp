@@ -62,8 +62,12 @@ class StageChecker {
 
   Tally generate(const Recording& recording) const {
     Tally tally(is_camera_ ? "camera_generate" : "light_generate", STEP_BOUND);
-    for (const Path& path : recording.generated) {
-      if (!is_camera_ && largest(dvec3(path.throughput)) == 0) continue;
+    // A light path that starts where its light is dark is not traced, and its slot holds what was there before.
+    const std::vector<uint32_t>& slots = recording.bounces.front().slots;
+    const std::set<uint32_t> traced(slots.begin(), slots.end());
+    for (uint32_t slot = 0; slot < recording.generated.size(); ++slot) {
+      const Path& path = recording.generated[slot];
+      if (!is_camera_ && !traced.contains(slot)) continue;
       is_camera_ ? compare_camera_ray(path, tally) : compare_emission(path, tally);
     }
     return tally;

@@ -53,6 +53,7 @@ dvec3 refract_at(const dvec3& wo, const dvec3& h, double eta) {
 Bsdf::Bsdf(const BsdfParameters& parameters)
     : parameters_(parameters),
       surface_{parameters.ndf, parameters.shadowing, parameters.alpha},
+      coat_{parameters.ndf, parameters.shadowing, parameters.coat_alpha},
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
   const double exact =
       parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
@@ -67,9 +68,15 @@ Bsdf Bsdf::with_alpha(const dvec2& alpha) const {
   return other;
 }
 
+Bsdf Bsdf::with_coat_alpha(const dvec2& alpha) const {
+  Bsdf other = *this;
+  other.parameters_.coat_alpha = other.coat_.alpha = alpha;
+  return other;
+}
+
 Bsdf Bsdf::with_unit_density() const {
   Bsdf other = *this;
-  other.surface_.has_unit_density = true;
+  other.surface_.has_unit_density = other.coat_.has_unit_density = true;
   return other;
 }
 
@@ -123,7 +130,24 @@ double Bsdf::refraction_pdf(const dvec3& wo, const dvec3& wi, double eta) const 
          (1 - reflection_probability(dot(wo, h), eta));
 }
 
-dvec3 Bsdf::value(const dvec3& wo_material, const dvec3& wi_material, TransportMode mode) const {
+double Bsdf::coat_reflectance(const dvec3& w) const {
+  return coat_towards(w) * (0.04 + 0.96 * std::pow(1 - std::abs(w.z), 5));
+}
+
+dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
+  dvec3 value = base_value(wo, wi, mode);
+  if (parameters_.clearcoat == 0) return value;
+  value *= (1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi));
+  if (is_coat_delta() || wo.z * wi.z <= 0) return value;
+  const dvec3 up_o(wo.x, wo.y, std::abs(wo.z));
+  const dvec3 up_i(wi.x, wi.y, std::abs(wi.z));
+  const dvec3 h = reflection_half_vector(up_o, up_i);
+  const double fresnel = coat_towards(wo) * (0.04 + 0.96 * std::pow(1 - dot(up_o, h), 5));
+  return value + fresnel * distribution(coat_, h) *
+                     masking_shadowing(coat_, up_i, up_o, h, Scattering::Reflection) / (4 * up_i.z * up_o.z);
+}
+
+dvec3 Bsdf::base_value(const dvec3& wo_material, const dvec3& wi_material, TransportMode mode) const {
   const double eta = relative_index(wo_material);
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
@@ -150,7 +174,27 @@ double Bsdf::diffuse_probability(const dvec3& wo) const {
   return diffuse / (diffuse + specular);
 }
 
-double Bsdf::pdf(const dvec3& wo_material, const dvec3& wi_material) const {
+double Bsdf::coat_probability(const dvec3& wo) const {
+  const double coat = coat_reflectance(wo);
+  if (coat == 0) return 0;
+  const double eta = relative_index(wo);
+  const double cos_o = std::abs(wo.z);
+  const dvec3 base = (1 - parameters_.metallic) * (1 - parameters_.transmission) * parameters_.base_color;
+  const double below = luminance(base * (1.0 - dielectric_.reflectance(cos_o, eta))) +
+                       luminance(reflectance(cos_o, eta)) + luminance(transmittance(cos_o, eta));
+  return coat / (coat + (1 - coat) * below);
+}
+
+double Bsdf::pdf(const dvec3& wo, const dvec3& wi) const {
+  const double p_coat = coat_probability(wo);
+  const double pdf = (1 - p_coat) * base_pdf(wo, wi);
+  if (p_coat == 0 || is_coat_delta() || wo.z * wi.z <= 0) return pdf;
+  const dvec3 up_o(wo.x, wo.y, std::abs(wo.z));
+  const dvec3 h = reflection_half_vector(up_o, {wi.x, wi.y, std::abs(wi.z)});
+  return pdf + p_coat * visible_normal_pdf(coat_, up_o, h) / (4 * dot(up_o, h));
+}
+
+double Bsdf::base_pdf(const dvec3& wo_material, const dvec3& wi_material) const {
   const double eta = relative_index(wo_material);
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
@@ -186,7 +230,67 @@ BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, boo
   return result;
 }
 
-BsdfSample Bsdf::sample(const dvec3& wo_material, double u_lobe, const dvec2& u, TransportMode mode) const {
+BsdfSample Bsdf::sample_coat(const dvec3& wo, double u_choice, const dvec2& u) const {
+  const dvec3 up(wo.x, wo.y, std::abs(wo.z));
+  const dvec3 h = is_coat_delta() ? dvec3(0, 0, 1) : sample_visible_normal(coat_, up, u, u_choice);
+  BsdfSample result;
+  result.wi = reflect_at(up, h);
+  result.is_delta = is_coat_delta();
+  result.is_valid = result.wi.z > 0;
+  if (wo.z < 0) result.wi = mirror_z(result.wi);
+  return result;
+}
+
+/// A delta event of coat or base, whichever was chosen: both reflect to the same side if both are deltas.
+BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode mode) const {
+  const dvec3& wi = sample.wi;
+  const double p_coat = coat_probability(wo);
+  const double p_coat_back = coat_probability(wi);
+  dvec3 factor(0);
+  sample.pdf_forward = sample.pdf_reverse = 0;
+  if (is_delta()) {
+    const double eta = relative_index(wo);
+    const double p_specular = 1 - diffuse_probability(wo);
+    const double p_reflection = reflection_probability(std::abs(wo.z), eta);
+    const double p_reflection_back = reflection_probability(std::abs(wi.z), relative_index(wi));
+    sample.pdf_forward =
+        (1 - p_coat) * p_specular * (sample.is_transmitted ? 1 - p_reflection : p_reflection);
+    sample.pdf_reverse = (1 - p_coat_back) * (1 - diffuse_probability(wi)) *
+                         (sample.is_transmitted ? 1 - p_reflection_back : p_reflection_back);
+    const double scale = sample.is_transmitted && parameters_.is_volume && mode == TransportMode::Radiance
+                             ? 1 / (eta * eta)
+                             : 1;
+    factor = (sample.is_transmitted ? transmittance(std::abs(wo.z), eta) * scale
+                                    : reflectance(std::abs(wo.z), eta)) *
+             ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
+  }
+  if (is_coat_delta() && !sample.is_transmitted) {
+    factor += coat_reflectance(wo);
+    sample.pdf_forward += p_coat;
+    sample.pdf_reverse += p_coat_back;
+  }
+  sample.weight = factor / sample.pdf_forward;
+  return sample;
+}
+
+BsdfSample Bsdf::sample(const dvec3& wo, double u_lobe, const dvec2& u, TransportMode mode) const {
+  if (wo.z == 0) return {};
+  if (parameters_.clearcoat == 0) return sample_base(wo, u_lobe, u, mode);
+  const double p_coat = coat_probability(wo);
+  const bool is_coat = u_lobe < p_coat;
+  BsdfSample result = is_coat ? sample_coat(wo, u_lobe / p_coat, u)
+                              : sample_base(wo, (u_lobe - p_coat) / (1 - p_coat), u, mode);
+  if (!result.is_valid) return {};
+  if (result.is_delta) return coated_delta(wo, result, mode);
+  result.pdf_forward = pdf(wo, result.wi);
+  result.pdf_reverse = pdf(result.wi, wo);
+  if (!(result.pdf_forward > 0)) return {};
+  result.weight = value(wo, result.wi, mode) * std::abs(result.wi.z) / result.pdf_forward;
+  return result;
+}
+
+BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec2& u,
+                             TransportMode mode) const {
   if (wo_material.z == 0) return {};
   const double eta = relative_index(wo_material);
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
@@ -214,11 +318,11 @@ BsdfSample Bsdf::sample(const dvec3& wo_material, double u_lobe, const dvec2& u,
     result.pdf_reverse = (1 - diffuse_probability(result.wi)) * (result.is_transmitted ? 1 - p_back : p_back);
     return result;
   }
-  result.pdf_forward = pdf(wo_material, result.wi);
-  result.pdf_reverse = pdf(result.wi, wo_material);
+  result.pdf_forward = base_pdf(wo_material, result.wi);
+  result.pdf_reverse = base_pdf(result.wi, wo_material);
   result.is_valid = result.pdf_forward > 0;
   if (!result.is_valid) return {};
-  result.weight = value(wo_material, result.wi, mode) * std::abs(result.wi.z) / result.pdf_forward;
+  result.weight = base_value(wo_material, result.wi, mode) * std::abs(result.wi.z) / result.pdf_forward;
   return result;
 }
 

@@ -27,6 +27,8 @@ struct BsdfParameters {
   double transmission = 0;
   double specular = 1;
   glm::dvec3 specular_color = glm::dvec3(1);
+  double clearcoat = 0;                   ///< weight of a dielectric lobe on top (KHR_materials_clearcoat)
+  glm::dvec2 coat_alpha = glm::dvec2(0);  ///< its roughness; (0, 0): a delta
   bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
@@ -73,13 +75,30 @@ class Bsdf {
   bool is_delta() const { return parameters_.alpha == glm::dvec2(0); }
 
   /// True if some lobe is not a delta: something that connections and merges can use.
-  bool has_finite_lobe() const { return !is_delta() || diffuse_scale_ != glm::dvec3(0); }
+  bool has_finite_lobe() const {
+    return !is_delta() || diffuse_scale_ != glm::dvec3(0) || (parameters_.clearcoat > 0 && !is_coat_delta());
+  }
+
+  /// True if the clearcoat's lobe is a delta event.
+  bool is_coat_delta() const { return parameters_.coat_alpha == glm::dvec2(0); }
+
+  /// Clearcoat on the side of w: solids are coated on their outside, the rest on both sides.
+  double coat_towards(const glm::dvec3& w) const { return refracts() && w.z < 0 ? 0 : parameters_.clearcoat; }
+
+  /// Probability of the clearcoat's lobe seen from wo.
+  double coat_probability(const glm::dvec3& wo) const;
 
   const BsdfParameters& parameters() const { return parameters_; }
   const Microsurface& microsurface() const { return surface_; }
 
-  /// The same material with another alpha; (0, 0): its value() and pdf() are those of the diffuse lobe.
+  const Microsurface& coat_microsurface() const { return coat_; }
+
+  /// The same material with another alpha; (0, 0): its value() and pdf() are those without the microfacet
+  /// lobe.
   Bsdf with_alpha(const glm::dvec2& alpha) const;
+
+  /// The same with another alpha of the clearcoat's lobe; (0, 0): value() and pdf() are without it.
+  Bsdf with_coat_alpha(const glm::dvec2& alpha) const;
 
   /// The same with a density of facets of 1 in value() and pdf(), see Microsurface::has_unit_density.
   Bsdf with_unit_density() const;
@@ -88,6 +107,12 @@ class Bsdf {
   glm::dvec3 reflectance(double cos_facet, double eta) const;    // F_r
   glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
   double reflection_probability(double cos_facet, double eta) const;
+  double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
+  glm::dvec3 base_value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
+  double base_pdf(const glm::dvec3& wo, const glm::dvec3& wi) const;
+  BsdfSample sample_base(const glm::dvec3& wo, double u_lobe, const glm::dvec2& u, TransportMode mode) const;
+  BsdfSample sample_coat(const glm::dvec3& wo, double u_choice, const glm::dvec2& u) const;
+  BsdfSample coated_delta(const glm::dvec3& wo, BsdfSample sample, TransportMode mode) const;
   glm::dvec3 diffuse_value(const glm::dvec3& wo, const glm::dvec3& wi, double eta) const;
   glm::dvec3 mirror_lobe_value(const glm::dvec3& wo, const glm::dvec3& wi) const;
   glm::dvec3 refraction_value(const glm::dvec3& wo, const glm::dvec3& wi, double eta,
@@ -99,6 +124,7 @@ class Bsdf {
 
   BsdfParameters parameters_;
   Microsurface surface_;
+  Microsurface coat_;
   SpecularDielectric dielectric_;
   glm::dvec3 diffuse_scale_;  // (1 - m) (1 - t) base / (pi (1 - F_d,avg))
 };

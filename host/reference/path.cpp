@@ -27,8 +27,9 @@ std::optional<ConnectedScattering> raised_between(const Surface& surface, const 
                                                   const dvec3& w_light, const dvec3& w_camera,
                                                   bool is_delta_event, const Regularization& regularization) {
   if (!regularization.is_on) return std::nullopt;
-  const std::optional<RaisedScattering> raised = raise(
-      bsdf, to_material(surface, w_camera), to_material(surface, w_light), is_delta_event, regularization);
+  const std::optional<RaisedScattering> raised =
+      raise(bsdf, to_material(surface, as_seen(surface, w_camera)), to_material(surface, w_light),
+            is_delta_event, regularization);
   if (!raised) return std::nullopt;
   return ConnectedScattering{raised->value * normal_correction(surface, w_light), raised->pdf_wo,
                              raised->pdf_wi, true};
@@ -75,9 +76,12 @@ WideColor measured_function(const Path& path, size_t first, size_t last) {
   return f * static_cast<Wide>(pdf_from_camera(path, end));
 }
 
+Basis material_basis(const Surface& surface, const dvec3& normal) {
+  return surface.tangent == dvec3(0) ? Basis(normal) : Basis(surface.tangent, normal);
+}
+
 dvec3 to_material(const Surface& surface, const dvec3& w) {
-  // Materials are isotropic: any tangents will do. (Walks have to choose theirs, see walk.cpp.)
-  return Basis(surface.shading_normal).to_local(w);
+  return material_basis(surface, surface.shading_normal).to_local(w);
 }
 
 bool sides_agree(const Surface& surface, const dvec3& w) {

@@ -10,6 +10,7 @@
 #include "reference/camera.hpp"
 #include "reference/lights.hpp"
 #include "reference/regularization.hpp"
+#include "reference/sampling.hpp"
 #include "reference/world.hpp"
 
 namespace regulus::reference {
@@ -99,6 +100,10 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
 
 /// x_0 for a path that goes on along `direction` (the way light travels).
 LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3& direction);
+
+/// Frame on one side of a surface (the front if `normal` is the shading normal, the back if it is its
+/// negative) that device and reference share.
+Basis material_basis(const Surface& surface, const glm::dvec3& normal);
 
 /// Direction w in the frame of Bsdf: z along the shading normal of the front side.
 glm::dvec3 to_material(const Surface& surface, const glm::dvec3& w);

@@ -85,19 +85,39 @@ double luminance_of(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi) {
   return luminance(bsdf.value(wo, wi, TransportMode::Radiance));
 }
 
+/// The material without its microfacet lobes: value and pdf are those of the diffuse lobe under the coat.
+Bsdf without_facets(const Bsdf& bsdf) {
+  return bsdf.with_alpha(dvec2(0)).with_coat_alpha(dvec2(0));
+}
+
 /// Luminance of rho^W: the lobe's density D^(h) moves towards its peak D^(n) by beta = 1 - (alpha /
 /// alpha^)^2.
 double value_in_weights(const Bsdf& bsdf, const Bsdf& wide, const dvec3& wo, const dvec3& wi,
                         const Regularization& regularization) {
-  const double diffuse = luminance_of(bsdf.with_alpha(dvec2(0)), wo, wi);
-  if (wide.is_delta()) return diffuse;
-  const double per_density = luminance_of(wide.with_unit_density(), wo, wi) - diffuse;
-  const dvec2 alpha = bsdf.parameters().alpha;
-  const dvec2 raised = wide.parameters().alpha;
-  const double beta = regularization.mis == MIS_BLENDED ? 1 - (alpha.x * alpha.y) / (raised.x * raised.y) : 0;
-  const double here = distribution(wide.microsurface(), facet_normal(bsdf, wo, wi));
-  const double peak = distribution(wide.microsurface(), {0, 0, 1});
-  return diffuse + per_density * std::pow(here, 1 - beta) * std::pow(peak, beta);
+  const double diffuse = luminance_of(without_facets(bsdf), wo, wi);
+  const dvec3 h = facet_normal(bsdf, wo, wi);
+  const auto of_lobe = [&](const Bsdf& alone, const Microsurface& raised, const dvec2& alpha) {
+    if (raised.alpha == dvec2(0)) return 0.0;
+    const double per_density = luminance_of(alone.with_unit_density(), wo, wi) - diffuse;
+    const double beta =
+        regularization.mis == MIS_BLENDED ? 1 - (alpha.x * alpha.y) / (raised.alpha.x * raised.alpha.y) : 0;
+    const double here = distribution(raised, h);
+    const double peak = distribution(raised, {0, 0, 1});
+    return per_density * std::pow(here, 1 - beta) * std::pow(peak, beta);
+  };
+  const BsdfParameters& p = bsdf.parameters();
+  const double base = of_lobe(wide.with_coat_alpha(dvec2(0)), wide.microsurface(), p.alpha);
+  if (p.clearcoat == 0 || wo.z * wi.z < 0) return diffuse + base;
+  return diffuse + base + of_lobe(wide.with_alpha(dvec2(0)), wide.coat_microsurface(), p.coat_alpha);
+}
+
+/// The alpha of the clearcoat's lobe, which has a bound of its own.
+dvec2 raised_coat_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
+                        const Regularization& regularization) {
+  const BsdfParameters& p = bsdf.parameters();
+  const double c = std::abs(dot(dvec3(wo.x, wo.y, std::abs(wo.z)), facet_normal(bsdf, wo, wi)));
+  const double alpha = reflection_alpha(regularization, p.ndf, p.shadowing, c) * regularization.alpha_scale;
+  return glm::max(p.coat_alpha, dvec2(std::min(alpha, p.ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0)));
 }
 
 }  // namespace
@@ -116,7 +136,9 @@ dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Reg
 
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_delta_event,
                                       const Regularization& regularization) {
-  const Bsdf wide = bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
+  const bool has_coat = bsdf.parameters().clearcoat > 0;
+  Bsdf wide = bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
+  if (has_coat) wide = wide.with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, regularization));
   if (is_delta_event && (wide.is_delta() || regularization.mis == MIS_UNMODIFIED)) return std::nullopt;
   RaisedScattering raised;
   raised.value = wide.value(wo, wi, TransportMode::Radiance);
@@ -125,17 +147,24 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   if (regularization.mis == MIS_UNMODIFIED) return raised;
 
   const double in_weights = value_in_weights(bsdf, wide, wo, wi, regularization);
-  const Bsdf smooth = bsdf.with_alpha(dvec2(0));  // its value and pdf are those of the diffuse lobe
+  const Bsdf smooth = without_facets(bsdf);
   const double diffuse = luminance_of(smooth, wo, wi);
-  if (!is_delta_event && diffuse > 0) {
-    const double ratio = in_weights / luminance_of(bsdf, wo, wi);
+  const double plain = luminance_of(bsdf, wo, wi);
+  if (!is_delta_event && (diffuse > 0 || (has_coat && plain > 0))) {
+    const double ratio = in_weights / plain;
     raised.pdf_wi *= ratio;
     raised.pdf_wo *= ratio;
     return raised;
   }
-  // The microfacet lobe alone: p / rho, from which the density cancels, and with it what is infinite of a
-  // delta.
-  const Bsdf lobe = (bsdf.is_delta() ? bsdf.with_alpha(dvec2(DELTA_STAND_IN)) : bsdf).with_unit_density();
+  // The microfacet lobes alone, of a delta event those that are deltas: p / rho, from which the density
+  // cancels, and with it what is infinite of a delta.
+  const auto shared_alpha = [&](const dvec2& alpha) {
+    if (alpha == dvec2(0)) return dvec2(DELTA_STAND_IN);
+    return is_delta_event && has_coat ? dvec2(0) : alpha;
+  };
+  const BsdfParameters& p = bsdf.parameters();
+  const Bsdf lobe =
+      bsdf.with_alpha(shared_alpha(p.alpha)).with_coat_alpha(shared_alpha(p.coat_alpha)).with_unit_density();
   const double value = luminance_of(lobe, wo, wi) - diffuse;
   const double scale = value > 0 ? in_weights / value : 0;
   raised.pdf_wi = scale * (lobe.pdf(wo, wi) - smooth.pdf(wo, wi));
@@ -144,7 +173,8 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
 }
 
 bool diffuses(const Bsdf& bsdf) {
-  return bsdf.parameters().alpha.x >= SHARP_ALPHA || bsdf.with_alpha(dvec2(0)).has_finite_lobe();
+  if (bsdf.parameters().clearcoat > 0 && bsdf.parameters().coat_alpha.x >= SHARP_ALPHA) return true;
+  return bsdf.parameters().alpha.x >= SHARP_ALPHA || without_facets(bsdf).has_finite_lobe();
 }
 
 }  // namespace regulus::reference

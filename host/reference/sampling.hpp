@@ -34,6 +34,9 @@ struct Basis {
   glm::dvec3 tangent, bitangent, normal;
 
   explicit Basis(const glm::dvec3& unit_normal);
+  /// With a given unit tangent, orthogonal to the normal.
+  Basis(const glm::dvec3& unit_tangent, const glm::dvec3& unit_normal)
+      : tangent(unit_tangent), bitangent(cross(unit_normal, unit_tangent)), normal(unit_normal) {}
   glm::dvec3 to_local(const glm::dvec3& w) const {
     return {dot(w, tangent), dot(w, bitangent), dot(w, normal)};
   }

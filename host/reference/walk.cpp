@@ -33,7 +33,7 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
   if (!is_from_camera && !sides_agree(surface, vertex.w_back)) return {};
   const dvec3 w_back = is_from_camera ? as_seen(surface, vertex.w_back) : vertex.w_back;
   const bool is_back = dot(vertex.w_back, surface.geometric_normal) < 0;
-  const Basis basis(is_back ? -surface.shading_normal : surface.shading_normal);
+  const Basis basis = material_basis(surface, is_back ? -surface.shading_normal : surface.shading_normal);
   const dvec3 wo = mirror_if(is_back, basis.to_local(w_back));
   BsdfSample sample = vertex.bsdf.sample(wo, u.x, {u.y, u.z}, transport);
   if (!sample.is_valid) return {};

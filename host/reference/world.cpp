@@ -20,6 +20,8 @@ constexpr double MIN_ALPHA = 1e-7;
 // same place to be passed over like the first, too little for anything else to fit in between.
 constexpr double SEGMENT_START = 1e-10;
 
+// Least roughness across the direction of an anisotropic material: part of the model.
+constexpr double MIN_ANISOTROPIC_ALPHA = 1e-3;
 // Least cosine of a mapped normal with the geometric one: part of the model.
 constexpr double MIN_MAPPED_COS = 0.01;
 
@@ -66,13 +68,39 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.triangle = index;
   surface.material = triangle.material;
   surface.light = triangle.light;
-  if (!has_smooth_normals_) return surface;
+  if (!has_smooth_normals_) {
+    set_anisotropy(surface, triangle, b);
+    return surface;
+  }
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
   if (dot(sum, sum) > 1e-12)  // normals that cancel say nothing
     surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
   if (scene_.materials[triangle.material].normal_texture != INVALID_INDEX)
     surface.shading_normal = mapped_normal(surface, triangle, b, sum);
+  set_anisotropy(surface, triangle, b);
   return surface;
+}
+
+void World::set_anisotropy(Surface& surface, const Triangle& triangle, const dvec3& b) const {
+  const Material& material = scene_.materials[triangle.material];
+  if (!(material.anisotropy > 0)) return;
+  surface.anisotropy = material.anisotropy;
+  dvec2 direction(material.anisotropy_direction);
+  if (material.anisotropy_texture != INVALID_INDEX) {
+    const glm::dvec4 texel = texture_at(material.anisotropy_texture, surface.uv);
+    const dvec2 turned = 2.0 * dvec2(texel) - 1.0;
+    direction = {direction.x * turned.x - direction.y * turned.y,
+                 direction.x * turned.y + direction.y * turned.x};
+    surface.anisotropy *= texel.z;
+  }
+  const auto& tangents = scene_.vertex_tangents;
+  const dvec3 tangent = b.x * dvec3(tangents[triangle.v0]) + b.y * dvec3(tangents[triangle.v1]) +
+                        b.z * dvec3(tangents[triangle.v2]);
+  const dvec3 bitangent =
+      static_cast<double>(tangents[triangle.v0].w) * cross(surface.shading_normal, tangent);
+  dvec3 along = direction.x * tangent + direction.y * bitangent;
+  along -= dot(along, surface.shading_normal) * surface.shading_normal;
+  if (dot(along, along) > 1e-12) surface.tangent = normalize(along);
 }
 
 dvec3 World::mapped_normal(const Surface& surface, const Triangle& triangle, const dvec3& b,
@@ -107,6 +135,15 @@ Bsdf World::bsdf_at(const Surface& surface) const {
                  dvec3(texture_at(material.base_color_texture, surface.uv));
   p.metallic = material.metallic * metallic_roughness.b;
   p.alpha = dvec2(roughness > 0 ? std::max(roughness * roughness, MIN_ALPHA) : 0.0);
+  if (surface.anisotropy > 0) {
+    const double alpha = roughness * roughness;
+    const double strength = surface.anisotropy * surface.anisotropy;
+    p.alpha = max(dvec2(alpha + (1 - alpha) * strength, alpha), MIN_ANISOTROPIC_ALPHA);
+  }
+  const double coat_roughness =
+      material.clearcoat_roughness * texture_at(material.clearcoat_roughness_texture, surface.uv).g;
+  p.clearcoat = material.clearcoat * texture_at(material.clearcoat_texture, surface.uv).r;
+  p.coat_alpha = dvec2(coat_roughness > 0 ? std::max(coat_roughness * coat_roughness, MIN_ALPHA) : 0.0);
   p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
   p.specular = material.specular;

@@ -18,8 +18,12 @@ struct Surface {
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
   glm::dvec2 uv{0};
   glm::dvec4 color{1};  ///< vertex colour
-  double coverage = 1;  ///< share of the surface that is there
-  double area = 0;      ///< of the triangle, m^2
+  /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
+  /// Zero if the material is isotropic.
+  glm::dvec3 tangent{0};
+  double anisotropy = 0;  ///< strength
+  double coverage = 1;    ///< share of the surface that is there
+  double area = 0;        ///< of the triangle, m^2
   uint32_t triangle = interface::INVALID_INDEX;
   uint32_t material = interface::INVALID_INDEX;
   uint32_t light = interface::INVALID_INDEX;  ///< of the triangle, if it emits
@@ -70,6 +74,8 @@ class World {
   /// Front shading normal by the material's normal map; `normal` is the vertices' sum.
   glm::dvec3 mapped_normal(const Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b,
                            const glm::dvec3& normal) const;
+  /// Fills what concerns anisotropy, with the shading normal known.
+  void set_anisotropy(Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b) const;
   glm::dvec4 texture_at(uint32_t index, const glm::dvec2& uv) const;
 
   const scene::Scene& scene_;

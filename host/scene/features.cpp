@@ -17,7 +17,7 @@ using interface::INVALID_INDEX;
 // it.
 constexpr float FLAT_COSINE = 1.0f - 1e-6f;
 
-/// Least and greatest green value (roughness) of a texture.
+/// Least and greatest value of green (a roughness) of a texture.
 std::pair<float, float> roughness_range(const Scene& scene, const interface::Texture& texture) {
   uint16_t low = 0xFFFF, high = 0;
   const size_t count = static_cast<size_t>(texture.width) * texture.height;
@@ -38,13 +38,25 @@ uint32_t specular_features(const Scene& scene, const interface::Material& materi
   uint32_t bits = 0;
   if (material.roughness * scale.second > 0) bits |= interface::FEATURE_ROUGH_SPECULAR;
   if (material.roughness * scale.first == 0) bits |= interface::FEATURE_DELTA_SPECULAR;
+  if (material.anisotropy > 0) bits |= interface::FEATURE_ANISOTROPY | interface::FEATURE_ROUGH_SPECULAR;
+  if (material.clearcoat > 0) {
+    const float roughness = material.clearcoat_roughness;
+    std::pair<float, float> range(1.0f, 1.0f);
+    if (material.clearcoat_roughness_texture != INVALID_INDEX)
+      range = roughness_range(scene, scene.textures[material.clearcoat_roughness_texture]);
+    bits |= interface::FEATURE_CLEARCOAT;
+    if (roughness * range.second > 0) bits |= interface::FEATURE_ROUGH_SPECULAR;
+    if (roughness * range.first == 0) bits |= interface::FEATURE_DELTA_SPECULAR;
+  }
   return bits;
 }
 
 uint32_t material_features(const Scene& scene, const interface::Material& material) {
   uint32_t bits = specular_features(scene, material);
-  for (const uint32_t texture : {material.base_color_texture, material.metallic_roughness_texture,
-                                 material.emissive_texture, material.transmission_texture})
+  for (const uint32_t texture :
+       {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
+        material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
+        material.anisotropy_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   if (material.normal_texture != INVALID_INDEX)
     bits |= interface::FEATURE_NORMAL_MAPS | interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_TEXTURES;
@@ -60,7 +72,11 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
 // Conservative: textures may take away what the factors allow, never add to it.
 bool is_connectible(const interface::Material& material) {
   const bool has_diffuse = material.metallic < 1 && material.transmission < 1;
-  return has_diffuse || material.metallic_roughness_texture != INVALID_INDEX || material.roughness > 0 ||
+  const bool has_rough_coat =
+      material.clearcoat > 0 &&
+      (material.clearcoat_roughness > 0 || material.clearcoat_roughness_texture != INVALID_INDEX);
+  return has_diffuse || has_rough_coat || material.anisotropy > 0 ||
+         material.metallic_roughness_texture != INVALID_INDEX || material.roughness > 0 ||
          material.transmission_texture != INVALID_INDEX;
 }
 
@@ -107,6 +123,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_ENVIRONMENT, "environment",
                          "what rays that leave the scene meet, its sampling and its weight"},
       FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"},
+      FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
+      FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",
                          "the question whether a surface is there, in traversal and light sampling"}};
   return DESCRIPTIONS;

@@ -50,6 +50,7 @@ class MaterialBuilder {
     set_dielectric(material);
     set_transmission(material);
     set_emission(material);
+    set_coat_and_anisotropy(material);
     if (is_unlit(source_)) make_unlit(material);
     material.material_class = classify(material);
     return material;
@@ -115,6 +116,25 @@ class MaterialBuilder {
     }
   }
 
+  void set_coat_and_anisotropy(interface::Material& material) {
+    const Value* coat = extension("KHR_materials_clearcoat");
+    material.clearcoat = factor(number(coat, "clearcoatFactor", 0), "clearcoatFactor");
+    material.clearcoat_roughness =
+        factor(number(coat, "clearcoatRoughnessFactor", 0), "clearcoatRoughnessFactor");
+    if (coat != nullptr && coat->Has("clearcoatNormalTexture") && material.clearcoat > 0)
+      document_.warn(
+          fmt::format("{}: clearcoatNormalTexture is not read: the coat has the base's normal", name_));
+    const Value* anisotropy = extension("KHR_materials_anisotropy");
+    material.anisotropy = factor(number(anisotropy, "anisotropyStrength", 0), "anisotropyStrength");
+    const double rotation = number(anisotropy, "anisotropyRotation", 0);
+    material.anisotropy_direction = {
+        finite_float(document_, std::cos(rotation), name_ + ": anisotropyRotation"),
+        finite_float(document_, std::sin(rotation), name_ + ": anisotropyRotation")};
+    material.clearcoat_texture = INVALID_INDEX;
+    material.clearcoat_roughness_texture = INVALID_INDEX;
+    material.anisotropy_texture = INVALID_INDEX;
+  }
+
   /// The flags say what the file asks for; add_materials clears them where nothing is less than whole.
   void set_alpha(interface::Material& material) {
     material.alpha = factor(source_.pbrMetallicRoughness.baseColorFactor[3], "baseColorFactor alpha");
@@ -140,6 +160,7 @@ class MaterialBuilder {
     material.emission = material.base_color;
     material.base_color = material.specular_color = glm::vec3(0);
     material.metallic = material.specular = material.transmission = 0;
+    material.clearcoat = material.anisotropy = 0;
     material.absorption = glm::vec3(0);
     material.flags &= ALPHA_FLAGS;
     material.flags |= interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_UNLIT;
@@ -152,7 +173,8 @@ class MaterialBuilder {
     if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
     const bool can_be_metal = material.metallic > 0;  // the texture only scales it
     const bool reflects = material.specular > 0 && material.ior != 1.0f;
-    return can_be_metal || reflects ? interface::MATERIAL_CLASS_OPAQUE : interface::MATERIAL_CLASS_DIFFUSE;
+    return can_be_metal || reflects || material.clearcoat > 0 ? interface::MATERIAL_CLASS_OPAQUE
+                                                              : interface::MATERIAL_CLASS_DIFFUSE;
   }
 
   void ignored(const char* what) { document_.warn(fmt::format("{}: {} is not read", name_, what)); }
@@ -181,15 +203,25 @@ class TextureSlots {
     material.normal_texture = load(source_.normalTexture.index, TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
       material.emissive_texture = load(source_.emissiveTexture.index, TextureContent::Color);
-    const auto transmission = source_.extensions.find("KHR_materials_transmission");
-    if (material.transmission > 0 && transmission->second.Has("transmissionTexture")) {
-      const Value& info = transmission->second.Get("transmissionTexture");
-      material.transmission_texture =
-          load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, TextureContent::Data);
+    if (material.transmission > 0)
+      material.transmission_texture = load_of("KHR_materials_transmission", "transmissionTexture");
+    if (material.clearcoat > 0) {
+      material.clearcoat_texture = load_of("KHR_materials_clearcoat", "clearcoatTexture");
+      material.clearcoat_roughness_texture = load_of("KHR_materials_clearcoat", "clearcoatRoughnessTexture");
     }
+    if (material.anisotropy > 0)
+      material.anisotropy_texture = load_of("KHR_materials_anisotropy", "anisotropyTexture");
   }
 
  private:
+  /// A texture of data that an extension of the material holds, if it does.
+  uint32_t load_of(const char* extension, const char* member) {
+    const auto found = source_.extensions.find(extension);
+    if (found == source_.extensions.end() || !found->second.Has(member)) return INVALID_INDEX;
+    const Value& info = found->second.Get(member);
+    return load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, TextureContent::Data);
+  }
+
   uint32_t load(int texture, TextureContent content) {
     return texture < 0 ? INVALID_INDEX : loader_.load(texture, content);
   }
@@ -230,7 +262,12 @@ void drop_needless_alpha(Scene& scene) {
 }  // namespace
 
 bool needs_tangents(const tinygltf::Material& material) {
-  return !is_unlit(material) && material.normalTexture.index >= 0;
+  if (is_unlit(material)) return false;
+  const auto anisotropy = material.extensions.find("KHR_materials_anisotropy");
+  const bool is_anisotropic = anisotropy != material.extensions.end() &&
+                              anisotropy->second.Has("anisotropyStrength") &&
+                              anisotropy->second.Get("anisotropyStrength").GetNumberAsDouble() > 0;
+  return is_anisotropic || material.normalTexture.index >= 0;
 }
 
 void add_materials(Document& document, Scene& scene) {

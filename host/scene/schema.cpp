@@ -23,12 +23,12 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 13> KNOWN_EXTENSIONS = {
-    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression", "EXT_texture_webp",
-    "KHR_draco_mesh_compression", "KHR_lights_punctual",     "KHR_materials_emissive_strength",
-    "KHR_materials_ior",          "KHR_materials_specular",  "KHR_materials_transmission",
-    "KHR_materials_unlit",        "KHR_materials_volume",    "KHR_mesh_quantization",
-    "KHR_texture_transform"};
+constexpr std::array<std::string_view, 15> KNOWN_EXTENSIONS = {
+    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",    "EXT_texture_webp",
+    "KHR_draco_mesh_compression", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
+    "KHR_materials_anisotropy",   "KHR_materials_clearcoat",    "KHR_materials_ior",
+    "KHR_materials_specular",     "KHR_materials_transmission", "KHR_materials_unlit",
+    "KHR_materials_volume",       "KHR_mesh_quantization",      "KHR_texture_transform"};
 
 enum class Kind {
   Index,       // non-negative integer below the length of the array `target`
@@ -87,6 +87,10 @@ const std::map<std::string_view, Rule>& rules() {
       {"attenuationDistance", {Kind::Number}},
       {"specularFactor", {Kind::Number}},
       {"alphaCutoff", {Kind::Number}},
+      {"clearcoatFactor", {Kind::Number}},
+      {"clearcoatRoughnessFactor", {Kind::Number}},
+      {"anisotropyStrength", {Kind::Number}},
+      {"anisotropyRotation", {Kind::Number}},
       {"intensity", {Kind::Number}},
       {"range", {Kind::Number}},
       {"innerConeAngle", {Kind::Number}},
@@ -123,6 +127,9 @@ const std::map<std::string_view, Rule>& rules() {
       {"emissiveTexture", {Kind::Object}},
       {"normalTexture", {Kind::Object}},
       {"transmissionTexture", {Kind::Object}},
+      {"clearcoatTexture", {Kind::Object}},
+      {"clearcoatRoughnessTexture", {Kind::Object}},
+      {"anisotropyTexture", {Kind::Object}},
       {"perspective", {Kind::Object}},
       {"orthographic", {Kind::Object}},
       {"spot", {Kind::Object}},

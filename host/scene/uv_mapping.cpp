@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <utility>
 #include <vector>
 
 namespace regulus::scene {
@@ -64,9 +65,15 @@ UvMapping uv_mapping(Document& document, const tinygltf::Material& material, con
   add(mappings, material.pbrMetallicRoughness.metallicRoughnessTexture);
   add(mappings, material.emissiveTexture);
   add(mappings, material.normalTexture);
-  const auto transmission = material.extensions.find("KHR_materials_transmission");
-  if (transmission != material.extensions.end() && transmission->second.Has("transmissionTexture"))
-    add_extended(mappings, transmission->second.Get("transmissionTexture"));
+  for (const auto& [extension, texture] :
+       {std::pair<const char*, const char*>{"KHR_materials_transmission", "transmissionTexture"},
+        {"KHR_materials_clearcoat", "clearcoatTexture"},
+        {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
+        {"KHR_materials_anisotropy", "anisotropyTexture"}}) {
+    const auto found = material.extensions.find(extension);
+    if (found != material.extensions.end() && found->second.Has(texture))
+      add_extended(mappings, found->second.Get(texture));
+  }
   if (mappings.empty()) return {};
   for (const UvMapping& mapping : mappings)
     if (mapping != mappings.front())

@@ -12,7 +12,11 @@
 //   thin-walled   the reflection lobe mirrored at the surface, with (1-m) t base (1 - F_d)
 //   diffuse       (1-m)(1-t) base / pi (1 - F_d(cos_o)) (1 - F_d(cos_i)) / (1 - F_d,avg)
 //
-// A walk chooses the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
+// Under a clearcoat of weight c, with T(w) = 1 - c F_c(cos_w) on the coated side and 1 on the other:
+//   T(wo) T(wi) (all of the above) + c F_c(wo.h) D_c G2_c / (4 cos_o cos_i),  F_c = Schlick from 0.04
+// KHR_materials_clearcoat in the reciprocal form that it allows.
+//
+// A walk chooses the coat with probability P_c, the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
 // normal, then reflection or transmission by the Fresnel weights there.
 #ifndef REGULUS_LIB_BSDF_GLSL
 #define REGULUS_LIB_BSDF_GLSL
@@ -33,12 +37,16 @@ const uint BSDF_SAMPLE_TRANSMITTED = 4u;
 bool bsdf_has_specular() { return spec_material_class != MATERIAL_CLASS_DIFFUSE; }
 bool bsdf_has_transmission() { return spec_material_class == MATERIAL_CLASS_TRANSMISSIVE; }
 bool bsdf_has_rough() { return bsdf_has_specular() && (spec_features & FEATURE_ROUGH_SPECULAR) != 0u; }
+bool bsdf_has_coat() { return bsdf_has_specular() && (spec_features & FEATURE_CLEARCOAT) != 0u; }
 bool bsdf_has_delta() { return bsdf_has_specular() && (spec_features & FEATURE_DELTA_SPECULAR) != 0u; }
 
 // Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
 const float MIN_ALPHA = 1e-7;
 // Common factor of a microfacet lobe's value and pdfs is kept below this: the quotient stays exact.
 const float MAX_DENSITY = 1e23;
+// Least alpha across the direction of an anisotropic material.
+const float MIN_ANISOTROPIC_ALPHA = 1e-3;
+const float COAT_F0 = 0.04;  // index 1.5
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);  // Rec. 709
 
 // A material at a point, seen from one side.
@@ -62,6 +70,9 @@ struct Bsdf {
   vec3 reflected_luminance;
   vec2 transmitted_luminance;
   bool is_thin;
+  float coat;            // clearcoat weight on the side of wo
+  float coat_across;     // and on the other side, as transmitted light meets it
+  vec2 coat_alpha;       // 0: delta
 };
 
 // Non-delta lobes at a pair of directions. Densities per solid angle.
@@ -119,6 +130,18 @@ float transmitted_luminance(Bsdf bsdf, vec2 position) {
   return bsdf_has_transmission() ? bsdf.transmitted_luminance.x + position.y * bsdf.transmitted_luminance.y : 0.0;
 }
 
+// Share of light that a clearcoat of this weight reflects at cosine c.
+float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
+
+// Probability of sampling the coat from a direction with cosine c on a side with that coat, and the base's Fresnel
+// position: by what coat and base would reflect or transmit.
+float coat_probability(Bsdf bsdf, float weight, float c, vec2 position) {
+  float coat = coat_reflectance(weight, c);
+  float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
+               reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
+  return coat > 0.0 ? coat / (coat + (1.0 - coat) * max(base, 0.0)) : 0.0;
+}
+
 // Probability of sampling the diffuse lobe from a direction with cosine c and that Fresnel position.
 float diffuse_probability(Bsdf bsdf, float c, vec2 position) {
   if (!bsdf_has_specular()) return 1.0;
@@ -142,6 +165,9 @@ Bsdf make_bsdf(Material material, bool is_front) {
   if (!bsdf_has_specular()) {
     bsdf.diffuse = dielectric;
     bsdf.alpha = vec2(0.0);
+    bsdf.coat = 0.0;
+    bsdf.coat_across = 0.0;
+    bsdf.coat_alpha = vec2(0.0);
     return bsdf;
   }
   float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
@@ -152,6 +178,14 @@ Bsdf make_bsdf(Material material, bool is_front) {
 
   float alpha = material.roughness * material.roughness;
   bsdf.alpha = vec2(material.roughness > 0.0 ? max(alpha, MIN_ALPHA) : 0.0);
+  if ((spec_features & FEATURE_ANISOTROPY) != 0u && material.anisotropy > 0.0)
+    bsdf.alpha = max(vec2(mix(alpha, 1.0, square(material.anisotropy)), alpha), vec2(MIN_ANISOTROPIC_ALPHA));
+  // Solids are coated on their outside, everything else on both sides.
+  bool is_solid = bsdf_has_transmission() && transmission > 0.0 && !bsdf.is_thin;
+  bsdf.coat = is_solid && !is_front ? 0.0 : material.clearcoat;
+  bsdf.coat_across = is_solid && is_front ? 0.0 : material.clearcoat;
+  float coat_alpha = square(material.clearcoat_roughness);
+  bsdf.coat_alpha = vec2(material.clearcoat_roughness > 0.0 ? max(coat_alpha, MIN_ALPHA) : 0.0);
 
   // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
   float ior = material.ior;
@@ -197,7 +231,36 @@ struct Lobes {
   float choice_reverse;
   MicrofacetTerms terms;
   float density;          // terms.density * density_scale, 0 for a delta lobe or without a facet
+  // The same of the clearcoat's lobe, whose density_scale is 1/4. Only with bsdf_has_coat().
+  float coat_weight;
+  float coat_forward;
+  float coat_reverse;
+  MicrofacetTerms coat_terms;
+  float coat_density;
 };
+
+// Adds the clearcoat's lobe at (wo, wi) and puts the others under it. position_o, position_i: Fresnel positions of the
+// base in both directions.
+void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec2 position_i, inout Lobes lobes) {
+  float cos_i = abs(wi.z);
+  float coat_i = facet.is_transmitted ? bsdf.coat_across : bsdf.coat;
+  float passed = (1.0 - coat_reflectance(bsdf.coat, wo.z)) * (1.0 - coat_reflectance(coat_i, cos_i));
+  lobes.diffuse *= passed;
+  lobes.weight *= passed;
+  float chosen_o = coat_probability(bsdf, bsdf.coat, wo.z, position_o);
+  float chosen_i = coat_probability(bsdf, coat_i, cos_i, position_i);
+  lobes.diffuse_forward *= 1.0 - chosen_o;
+  lobes.choice_forward *= 1.0 - chosen_o;
+  lobes.diffuse_reverse *= 1.0 - chosen_i;
+  lobes.choice_reverse *= 1.0 - chosen_i;
+  if (facet.is_transmitted || !(bsdf.coat > 0.0)) return;
+  lobes.coat_weight = coat_reflectance(bsdf.coat, facet.o_dot_h);
+  lobes.coat_forward = chosen_o;
+  lobes.coat_reverse = chosen_i;
+  lobes.coat_terms =
+      microfacet_terms(wo, wi, facet.h, facet.o_dot_h, facet.i_dot_h, max(bsdf.coat_alpha, vec2(MIN_ALPHA)), false);
+  if (bsdf.coat_alpha.x > 0.0) lobes.coat_density = min(0.25 * lobes.coat_terms.density, MAX_DENSITY);
+}
 
 Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   Lobes lobes;
@@ -211,6 +274,11 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   lobes.value_scale = 1.0;
   lobes.density_scale = 0.25;
   lobes.terms = MicrofacetTerms(0.0, 0.0, 0.0, 0.0);
+  lobes.coat_weight = 0.0;
+  lobes.coat_forward = 0.0;
+  lobes.coat_reverse = 0.0;
+  lobes.coat_terms = MicrofacetTerms(0.0, 0.0, 0.0, 0.0);
+  lobes.coat_density = 0.0;
   if (!bsdf_has_specular()) {
     lobes.diffuse = bsdf.diffuse * same_side;
     lobes.diffuse_forward = cos_i * same_side;
@@ -227,7 +295,10 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
       bsdf.diffuse * dielectric_transmittance(bsdf, s_o) * dielectric_transmittance(bsdf, s_i) * same_side;
   lobes.diffuse_forward = diffuse_o * cos_i * same_side;
   lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
-  if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) return lobes;
+  if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
+    if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, lobes);
+    return lobes;
+  }
 
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, cos_i);
   lobes.terms = microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h, max(bsdf.alpha, vec2(MIN_ALPHA)),
@@ -259,6 +330,7 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   lobes.choice_forward = (1.0 - diffuse_o) * reflect_o;
   lobes.choice_reverse = (1.0 - diffuse_i) * reflect_i * reverse_scale;
+  if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, lobes);
   return lobes;
 }
 
@@ -268,6 +340,11 @@ BsdfEval evaluate_lobes(Lobes lobes) {
   eval.value = lobes.diffuse + lobes.weight * (lobes.density * lobes.terms.shadowing * lobes.value_scale);
   eval.pdf_forward = lobes.diffuse_forward + lobes.choice_forward * lobes.density * lobes.terms.visibility_o;
   eval.pdf_reverse = lobes.diffuse_reverse + lobes.choice_reverse * lobes.density * lobes.terms.visibility_i;
+  if (bsdf_has_coat()) {
+    eval.value += lobes.coat_weight * lobes.coat_density * lobes.coat_terms.shadowing;
+    eval.pdf_forward += lobes.coat_forward * lobes.coat_density * lobes.coat_terms.visibility_o;
+    eval.pdf_reverse += lobes.coat_reverse * lobes.coat_density * lobes.coat_terms.visibility_i;
+  }
   return eval;
 }
 
@@ -323,18 +400,20 @@ struct FacetEvent {
   float probability;   // of this choice between reflection and transmission
 };
 
-FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
+// is_coat: of the clearcoat, which only reflects.
+FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, bool is_coat, float u_choice, vec2 u) {
+  vec2 alpha = is_coat ? bsdf.coat_alpha : bsdf.alpha;
   Facet visible = Facet(vec3(0.0, 0.0, 1.0), wo.z);
   if (bsdf_has_rough()) {
-    Facet rough = sample_visible_normal(wo, max(bsdf.alpha, vec2(MIN_ALPHA)), u, u_choice);
-    if (!bsdf_has_delta() || bsdf.alpha.x > 0.0) visible = rough;
+    Facet rough = sample_visible_normal(wo, max(alpha, vec2(MIN_ALPHA)), u, u_choice);
+    if (!bsdf_has_delta() || alpha.x > 0.0) visible = rough;
   }
   FacetEvent event;
   float c = visible.w_dot_h;
   float g = refracted_g(c, bsdf.excess);
   event.position = fresnel_position(bsdf, c, g, bsdf.excess);
-  event.probability = reflection_probability(bsdf, event.position, c);
-  bool is_transmitted = bsdf_has_transmission() && u_choice >= event.probability;
+  event.probability = is_coat ? 1.0 : reflection_probability(bsdf, event.position, c);
+  bool is_transmitted = bsdf_has_transmission() && !is_coat && u_choice >= event.probability;
   bool is_refracted = is_transmitted && !bsdf.is_thin;
   event.wi = 2.0 * c * visible.h - wo;
   bool is_valid = c > 0.0 && event.wi.z > 0.0;
@@ -354,11 +433,33 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, float u_choice, vec2 u) {
   return event;
 }
 
+// Puts a delta event of the base under the clearcoat. Both reflect to the same side if both are deltas; a lobe that is
+// none has no part in the event.
+void add_coat_to_delta(Bsdf bsdf, vec3 wo, FacetEvent event, inout BsdfEval eval) {
+  bool is_transmitted = event.facet.is_transmitted;
+  float cos_i = abs(event.wi.z);
+  float coat_i = is_transmitted ? bsdf.coat_across : bsdf.coat;
+  float chosen_o = coat_probability(bsdf, bsdf.coat, wo.z, event.position);
+  float chosen_i = coat_probability(bsdf, coat_i, cos_i, event.position);
+  float base = bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
+  eval.value *= base * (1.0 - coat_reflectance(bsdf.coat, wo.z)) * (1.0 - coat_reflectance(coat_i, cos_i));
+  eval.pdf_forward *= base * (1.0 - chosen_o);
+  eval.pdf_reverse *= base * (1.0 - chosen_i);
+  if (is_transmitted || bsdf.coat_alpha.x > 0.0) return;
+  eval.value += coat_reflectance(bsdf.coat, wo.z);
+  eval.pdf_forward += chosen_o;
+  eval.pdf_reverse += chosen_i;
+}
+
 // Factor and discrete probabilities of a delta event (alpha = 0, h = z). The reverse walk meets the surface at
 // the same Fresnel position: the exact reflectance is that of both directions of a refracted pair.
 BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, uint transport) {
   float cos_i = abs(event.wi.z);
   float reflect_i = reflection_probability(bsdf, event.position, cos_i);
+  // An event of the clearcoat brings the base's along; its own choice was not the base's.
+  float reflect_o =
+      bsdf_has_coat() ? reflection_probability(bsdf, event.position, wo.z) : event.probability;
+  if (bsdf_has_coat() && event.facet.is_transmitted) reflect_o = event.probability;
   BsdfEval eval;
   eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
   if (bsdf_has_transmission() && event.facet.is_transmitted) {
@@ -366,8 +467,9 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, u
     if (event.facet.is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
     reflect_i = 1.0 - reflect_i;
   }
-  eval.pdf_forward = (1.0 - diffuse_o) * event.probability;
+  eval.pdf_forward = (1.0 - diffuse_o) * reflect_o;
   eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position)) * reflect_i;
+  if (bsdf_has_coat()) add_coat_to_delta(bsdf, wo, event, eval);
   return eval;
 }
 
@@ -385,10 +487,17 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   if (bsdf_has_specular()) {
     vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
-    is_diffuse = u_lobe < diffuse_o;
+    float coat_o = bsdf_has_coat() ? coat_probability(bsdf, bsdf.coat, wo.z, s_o) : 0.0;
+    bool is_coat = bsdf_has_coat() && u_lobe < coat_o;
+    if (bsdf_has_coat()) {
+      u_lobe = is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);
+      u_lobe = clamp(u_lobe, 0.0, ONE_MINUS_ULP);
+    }
+    is_diffuse = !is_coat && u_lobe < diffuse_o;
     float u_choice = clamp((u_lobe - diffuse_o) / max(1.0 - diffuse_o, 1e-7), 0.0, ONE_MINUS_ULP);
-    FacetEvent event = sample_facet_event(bsdf, wo, u_choice, u);
-    is_delta = !is_diffuse && bsdf_has_delta() && bsdf.alpha.x == 0.0;
+    if (is_coat) u_choice = u_lobe;
+    FacetEvent event = sample_facet_event(bsdf, wo, is_coat, u_choice, u);
+    is_delta = !is_diffuse && bsdf_has_delta() && (is_coat ? bsdf.coat_alpha.x : bsdf.alpha.x) == 0.0;
     if (bsdf_has_delta()) delta = evaluate_delta(bsdf, wo, event, diffuse_o, transport);
     wi = is_diffuse ? diffuse_wi : event.wi;
     if (!is_diffuse) facet = event.facet;

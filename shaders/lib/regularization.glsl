@@ -25,6 +25,7 @@ const float SHARP_ALPHA = 0.05;
 
 bool diffuses(Bsdf bsdf) {
   if (!bsdf_has_specular()) return true;
+  if (bsdf_has_coat() && bsdf.coat > 0.0 && bsdf.coat_alpha.x >= SHARP_ALPHA) return true;
   return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
 }
 
@@ -98,6 +99,29 @@ vec2 regularized_alpha(Bsdf bsdf, Encounter facet, Regularization regularization
   return max(bsdf.alpha, vec2(min(alpha_tau * regularization.alpha_scale, largest_alpha())));
 }
 
+// The clearcoat's lobe, raised by a bound of its own (math.md 2.5): value, and value as the weights use it.
+struct RaisedCoat {
+  float value;
+  float value_in_weights;
+};
+
+RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
+  if (facet.is_transmitted || !(bsdf.coat > 0.0)) return RaisedCoat(0.0, 0.0);
+  float alpha_tau = reflection_alpha(regularization.tau, facet.o_dot_h) * regularization.alpha_scale;
+  vec2 alpha = max(bsdf.coat_alpha, vec2(min(alpha_tau, largest_alpha())));
+  if (!(alpha.x > 0.0)) return RaisedCoat(0.0, 0.0);
+  MicrofacetTerms raised = microfacet_terms(wo, wi, facet.h, facet.o_dot_h, facet.i_dot_h, max(alpha, vec2(MIN_ALPHA)), false);
+  float density = min(0.25 * raised.density, MAX_DENSITY);
+  float blended = density;
+  if (spec_mis == MIS_BLENDED) {
+    float peak = min(0.25 * INV_PI / (alpha.x * alpha.y), MAX_DENSITY);
+    float beta = 1.0 - (bsdf.coat_alpha.x * bsdf.coat_alpha.y) / (alpha.x * alpha.y);
+    blended = beta >= 1.0 ? peak
+                          : exp_accurate((1.0 - beta) * log_accurate(max(density, 1e-36)) + beta * log_accurate(peak));
+  }
+  return RaisedCoat(lobes.coat_weight * density * raised.shadowing, lobes.coat_weight * blended * raised.shadowing);
+}
+
 // A regularized lobe at one pair of directions.
 struct RegularizedLobes {
   vec3 value;
@@ -131,7 +155,25 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
   float weight = dot(lobes.weight, LUMINANCE);
   float value = diffuse + weight * lobes.density * lobes.terms.shadowing;
   float value_in_weights = diffuse + weight * blended * raised.shadowing;
-  if (is_delta_event || !(diffuse > 0.0)) {
+  if (bsdf_has_coat()) {
+    RaisedCoat coat = raise_coat(bsdf, lobes, wo, wi, facet, regularization);
+    result.value += coat.value;
+    value += lobes.coat_weight * lobes.coat_density * lobes.coat_terms.shadowing;
+    value_in_weights += coat.value_in_weights;
+    if (is_delta_event || !(value > 1e-30)) {
+      // As below, for the one or two lobes that make the event.
+      float base = is_delta_event && bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
+      float over = is_delta_event && bsdf.coat_alpha.x > 0.0 ? 0.0 : 1.0;
+      float shared_value = base * weight * lobes.terms.shadowing + over * lobes.coat_weight * lobes.coat_terms.shadowing;
+      float per_choice = value_in_weights / max(shared_value, 1e-30);
+      result.pdf_forward = per_choice * (base * lobes.choice_forward * lobes.terms.visibility_o +
+                                         over * lobes.coat_forward * lobes.coat_terms.visibility_o);
+      result.pdf_reverse = per_choice * (base * lobes.choice_reverse * lobes.terms.visibility_i +
+                                         over * lobes.coat_reverse * lobes.coat_terms.visibility_i);
+      return result;
+    }
+  }
+  if (is_delta_event || (!(diffuse > 0.0) && !bsdf_has_coat())) {
     // The density cancels from p / rho, and with it what is 0 / 0 for a delta lobe.
     result.ratio = value > 0.0 && !is_delta_event ? value_in_weights / value : 0.0;
     float per_choice = value_in_weights / max(weight * lobes.terms.shadowing, 1e-30);

@@ -60,6 +60,27 @@ vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
   return to_world(point, half_turned(point, w_local));
 }
 
+// Turns the local axes so that the tangent runs along the direction in which the material's roughness is stretched.
+// Applies the anisotropy texture.
+void align_with_anisotropy(Frame frame, uint triangle_index, vec2 barycentrics, inout ShadingPoint point) {
+  vec2 direction = point.material.anisotropy_direction;
+  if ((spec_features & FEATURE_TEXTURES) != 0u && point.material.anisotropy_texture != INVALID_INDEX) {
+    vec3 texel = sample_texture(frame.textures, frame.texels, point.material.anisotropy_texture, point.surface.uv).xyz;
+    vec2 turned = 2.0 * texel.xy - 1.0;
+    direction = vec2(direction.x * turned.x - direction.y * turned.y, direction.x * turned.y + direction.y * turned.x);
+    point.material.anisotropy *= texel.z;
+  }
+  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
+  vec4 tangent = vertex_tangent(frame, triangle, barycentrics);
+  vec3 bitangent = tangent.w * cross(point.surface.shading_normal, tangent.xyz);
+  vec3 along = direction.x * tangent.xyz + direction.y * bitangent;
+  along -= dot(along, point.normal) * point.normal;
+  float squared = dot(along, along);
+  if (!(squared > 1e-12)) return;
+  point.tangent = along * inversesqrt(squared);
+  point.bitangent = cross(point.normal, point.tangent);
+}
+
 // wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE.
 ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport) {
   ShadingPoint point;
@@ -72,6 +93,8 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
     point.surface.shading_normal = mapped_normal(frame, triangle, barycentrics, point.surface, point.material);
   point.normal = side * point.surface.shading_normal;
   orthonormal_basis(point.normal, point.tangent, point.bitangent);
+  if ((spec_features & FEATURE_ANISOTROPY) != 0u && point.material.anisotropy > 0.0)
+    align_with_anisotropy(frame, triangle, barycentrics, point);
   point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
   apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
@@ -107,6 +130,7 @@ float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shadi
 bool is_connectible(ShadingPoint point) {
   if (spec_regularization != REGULARIZATION_NONE) return true;
   if (!bsdf_has_delta() || point.bsdf.alpha.x > 0.0) return true;
+  if (bsdf_has_coat() && point.bsdf.coat > 0.0 && point.bsdf.coat_alpha.x > 0.0) return true;
   return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
 }
 

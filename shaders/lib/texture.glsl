@@ -50,6 +50,10 @@ void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, vec4 
   vec4 metallic_roughness = sample_texture(textures, texels, material.metallic_roughness_texture, uv);
   material.roughness *= metallic_roughness.g;
   material.metallic *= metallic_roughness.b;
+  if ((spec_features & FEATURE_CLEARCOAT) != 0u) {
+    material.clearcoat *= sample_texture(textures, texels, material.clearcoat_texture, uv).r;
+    material.clearcoat_roughness *= sample_texture(textures, texels, material.clearcoat_roughness_texture, uv).g;
+  }
   if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
     material.transmission *= sample_texture(textures, texels, material.transmission_texture, uv).r;
 }

@@ -197,6 +197,28 @@ TEST_F(LightSubpaths, AgreeOnAlpha) {
   expect_sets_agree("alpha", scene, {{"bpt", BPT}, {"vcm", VCM}, {"lt", TECHNIQUE_SPLAT}});
 }
 
+// A smooth coat over paint, a rough one over a mirror, a brushed metal: two microfacet lobes at one vertex,
+// one of them a delta or not.
+TEST_F(LightSubpaths, AgreeOnCoatsAndAnisotropy) {
+  const auto coated = [](nlohmann::json material, double roughness) {
+    material["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.9},
+                                                         {"clearcoatRoughnessFactor", roughness}};
+    return material;
+  };
+  nlohmann::json brushed = metal({0.7, 0.7, 0.7}, 0.4);
+  brushed["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.7},
+                                                       {"anisotropyRotation", 0.5}};
+  GltfScene scene =
+      room(coated(plastic({0.5, 0.2, 0.2}, 0.6), 0), coated(metal({0.9, 0.8, 0.6}, 0), 0.5), WHITE);
+  const Polygons block = box({-0.2, -0.99, 0.1}, {0.2, -0.7, 0.4});
+  Corners corners;
+  for (const Polygon& polygon : block)
+    for (const glm::dvec3& p : polygon) corners.uvs.emplace_back(p.x + 0.5 * p.y, p.z - p.y);
+  scene.add(block, brushed, glm::dmat4(1), corners);
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  expect_sets_agree("coats", scene, {{"bpt", BPT}, {"vcm", VCM}});
+}
+
 // The film's border and a camera without perspective: splats through the wide filter reach pixels from film
 // points outside the film, and the density of film points is that of parallel rays.
 TEST_F(LightSubpaths, SplatsPassThroughTheSameFilterOnAnOrthographicFilm) {

@@ -1,4 +1,5 @@
-// What surfaces may carry beside factors: vertex colours, normal maps, alpha. Against closed forms.
+// What surfaces may carry beside factors: vertex colours, normal maps, alpha, clearcoats, anisotropy.
+// Against closed forms.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -220,6 +221,27 @@ TEST_F(Surfaces, BlendedSurfacesAreThereByChance) {
   const double lit_mean = mean_of(render(prepare(lit), box_filtered(SIZE, SIZE, samples, 2)).image)[0];
   std::printf("shadow: %.5f, known %.5f\n", lit_mean, 1 - ALPHA);
   EXPECT_NEAR(lit_mean, 1 - ALPHA, 5 * deviation);
+}
+
+// A Lambert square under a smooth clearcoat in a room that shines everywhere: the coat reflects c F(o), what
+// passes it comes back through it. Schlick's F from 0.04 has the mean 0.04 + 0.96 / 21 over a cosine-weighted
+// hemisphere.
+TEST_F(Surfaces, ClearcoatsReflectAndPass) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  constexpr double COAT = 0.8, ALBEDO = 0.7;
+  for (const double cosine : {1.0, 0.3}) {
+    GltfScene scene;
+    json coated = lambert(dvec3(ALBEDO));
+    coated["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", COAT}};
+    scene.add({SQUARE}, coated);
+    scene.add(turned(box({-9, -9, -9}, {9, 9, 9})), emitter({1, 1, 1}));
+    const double sine = std::sqrt(1 - cosine * cosine);
+    scene.set_orthographic(look_at({0.1 * sine, 0, 0.1 * cosine}, {0, 0, 0}), 0.01, 0.01);
+    const double fresnel = COAT * (0.04 + 0.96 * std::pow(1 - cosine, 5));
+    const double known = fresnel + (1 - fresnel) * ALBEDO * (1 - COAT * (0.04 + 0.96 / 21));
+    const auto batches = render_batches(prepare(scene), box_filtered(16, 16, 32, 2), 11, 300);
+    expect_known("clearcoat", batches, uniform_image(16, 16, {known, known, known}));
+  }
 }
 
 }  // namespace

@@ -44,6 +44,8 @@ Inputs inputs_of(const BsdfCase& c, const Model& model) {
   p.transmission = m.transmission;
   p.specular = m.specular;
   p.specular_color = dvec3(m.specular_color);
+  p.clearcoat = m.clearcoat;
+  p.coat_alpha = glm::dvec2(double{m.clearcoat_roughness * m.clearcoat_roughness});
   p.is_volume = (m.flags & MATERIAL_VOLUME) != 0;
   return {p, mirrored_if_back(dvec3(c.wo), c), mirrored_if_back(dvec3(c.wi), c),
           c.mode == 0 ? TransportMode::Radiance : TransportMode::Importance};
@@ -120,15 +122,19 @@ std::vector<Model> models_of_class(uint32_t material_class) {
 Material plain_material(Kind kind, float roughness) {
   Material material{};
   material.base_color = vec3(1);
-  material.metallic = kind == Kind::Metal ? 1.0f : kind == Kind::Mixed ? 0.25f : 0.0f;
+  material.metallic = kind == Kind::Metal ? 1.0f : kind == Kind::Mixed || kind == Kind::Coated ? 0.25f : 0.0f;
   material.roughness = roughness;
   material.ior = 1.5f;
   material.specular = kind == Kind::Diffuse ? 0.0f : 1.0f;
   material.specular_color = vec3(1);
-  material.transmission = kind == Kind::Thin || kind == Kind::Solid ? 1.0f
-                          : kind == Kind::Mixed                     ? 0.5f
-                                                                    : 0.0f;
-  material.flags = kind == Kind::Solid || kind == Kind::Mixed ? MATERIAL_VOLUME : 0u;
+  material.transmission = kind == Kind::Thin || kind == Kind::Solid     ? 1.0f
+                          : kind == Kind::Mixed || kind == Kind::Coated ? 0.5f
+                                                                        : 0.0f;
+  material.flags = kind == Kind::Solid || kind == Kind::Mixed || kind == Kind::Coated ? MATERIAL_VOLUME : 0u;
+  if (kind == Kind::Coated) {
+    material.clearcoat = 1;
+    material.clearcoat_roughness = 0.65f;
+  }
   material.material_class = material_class_of(kind);
   return material;
 }
@@ -142,7 +148,11 @@ Material random_material(Kind kind, Random& random) {
   if (random.uniform() < 0.3) material.specular_color = {number(0, 2), number(0, 1), number(0, 1)};
   material.ior = random.uniform() < 0.1 ? number(2.5, 4) : number(1.02, 2.5);
   if (kind == Kind::Plastic) material.metallic = random.uniform() < 0.5 ? 0 : number(0, 1);
-  if (kind == Kind::Mixed) {
+  if (kind == Kind::Coated) {
+    material.clearcoat = number(0.05, 1);
+    material.clearcoat_roughness = number(0.2, 1);
+  }
+  if (kind == Kind::Mixed || kind == Kind::Coated) {
     material.metallic = number(0, 1);
     material.transmission = number(0.05, 1);
     material.flags = random.uniform() < 0.5 ? MATERIAL_VOLUME : 0u;
@@ -194,6 +204,8 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
   add_effect([](Inputs& i) -> double& { return i.parameters.ior; });
   for (int axis = 0; axis < 2; ++axis)
     add_effect([axis](Inputs& i) -> double& { return i.parameters.alpha[axis]; });
+  for (int axis = 0; axis < 2; ++axis)
+    add_effect([axis](Inputs& i) -> double& { return i.parameters.coat_alpha[axis]; });
   sum.pdf_forward += choice_error * base.pdf_forward;
   sum.pdf_reverse += choice_error * base.pdf_reverse;
   return sum;

@@ -14,9 +14,9 @@
 namespace regulus::test {
 
 /// Kinds of material, each with lobes of its own.
-enum class Kind { Diffuse, Metal, Plastic, Thin, Solid, Mixed };
-inline constexpr std::array ALL_KINDS = {Kind::Diffuse, Kind::Metal, Kind::Plastic,
-                                         Kind::Thin,    Kind::Solid, Kind::Mixed};
+enum class Kind { Diffuse, Metal, Plastic, Thin, Solid, Mixed, Coated };
+inline constexpr std::array ALL_KINDS = {Kind::Diffuse, Kind::Metal, Kind::Plastic, Kind::Thin,
+                                         Kind::Solid,   Kind::Mixed, Kind::Coated};
 
 /// What a kernel is specialized to.
 struct Model {

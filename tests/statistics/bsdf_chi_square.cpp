@@ -37,7 +37,7 @@ BsdfCase draw_case(Kind kind, float alpha, double cos_o, bool is_front) {
 /// met.
 std::vector<BsdfCase> draw_cases(Kind kind) {
   std::vector<BsdfCase> cases;
-  const bool has_back = kind == Kind::Solid || kind == Kind::Mixed;
+  const bool has_back = kind == Kind::Solid || kind == Kind::Mixed || kind == Kind::Coated;
   cases.push_back(draw_case(kind, 0.15f, 0.9, true));
   cases.push_back(draw_case(kind, 0.4f, 0.1, true));
   cases.push_back(draw_case(kind, 1.0f, 0.5, true));
@@ -55,7 +55,7 @@ class BsdfChiSquare : public testing::TestWithParam<Kind> {};
 TEST_P(BsdfChiSquare, SamplesFollowTheirDensity) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   // Models times cases of all kinds, the diffuse class, and the anisotropic ones of six models.
-  constexpr int TESTS = 9 * (3 + 3 + 3 + 5 + 5) + 3 + 6 * 5;
+  constexpr int TESTS = 9 * (3 + 3 + 3 + 5 + 5 + 5) + 3 + 6 * 6;
   const double significance = significance_per_test(FALSE_ALARM, TESTS);
   double smallest_p = 1;
   for (const Model& model : models_of_class(material_class_of(GetParam()))) {
