@@ -6,10 +6,10 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # leaves no cache in the source tree
-from generator import big, cornell, furnace, lamp, mirrors, plates, pool, ring, smallvcm, watch  # noqa: E402
+from generator import big, cornell, furnace, gallery, lamp, mirrors, plates, pool, ring, smallvcm, watch  # noqa: E402
 
 SCENES = {"cornell": cornell, "plates": plates, "mirrors": mirrors, "furnace": furnace,
-          "watch": watch, "ring": ring, "pool": pool, "lamp": lamp, "smallvcm": smallvcm}
+          "watch": watch, "ring": ring, "pool": pool, "lamp": lamp, "smallvcm": smallvcm, "gallery": gallery}
 
 
 def main():

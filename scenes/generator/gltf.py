@@ -79,14 +79,42 @@ class Gltf:
             "KHR_materials_volume": volume,
             "KHR_materials_ior": {"ior": ior}})
 
+    def amend(self, material, pbr=None, **members):
+        """Adds members to a material, and to its pbrMetallicRoughness."""
+        self._json["materials"][material].update(members)
+        self._json["materials"][material]["pbrMetallicRoughness"].update(pbr or {})
+
+    def repeated(self, texture, across, down):
+        """Use of a texture that repeats it so often over the unit square."""
+        self._used_extensions.add("KHR_texture_transform")
+        return {"index": texture, "extensions": {"KHR_texture_transform": {"scale": [across, down]}}}
+
+    def texture(self, png):
+        """A texture of the bytes of a PNG; repeats, is filtered."""
+        self._data.extend(bytes(-len(self._data) % 4))
+        view = self._append("bufferViews", {"buffer": 0, "byteOffset": len(self._data), "byteLength": len(png)})
+        self._data.extend(png)
+        images = self._json.setdefault("images", [])
+        images.append({"bufferView": view, "mimeType": "image/png"})
+        textures = self._json.setdefault("textures", [])
+        textures.append({"source": len(images) - 1})
+        return len(textures) - 1
+
     # Geometry.
 
-    def geometry(self, mesh):
-        """Accessors of a mesh as a primitive without material; give it to several meshes to share data."""
+    def geometry(self, mesh, uvs=None):
+        """Accessors of a mesh as a primitive without material; give it to several meshes to share data. uvs: texture
+        coordinates, (0, 0) at the upper left corner of the image."""
         attributes = {"POSITION": self._accessor(mesh.positions, with_bounds=True)}
         if mesh.normals:
             attributes["NORMAL"] = self._accessor(mesh.normals)
+        if uvs:
+            attributes["TEXCOORD_0"] = self._accessor(uvs)
         return {"attributes": attributes, "indices": self._indices(mesh)}
+
+    def colors(self, values):
+        """Accessor of linear RGB per vertex."""
+        return self._accessor(values)
 
     def add_mesh(self, name, geometry, material, translation=None, scale=None, matrix=None):
         """A node with a mesh of one primitive."""
@@ -107,7 +135,7 @@ class Gltf:
     def _accessor(self, vectors, with_bounds=False):
         data = _bytes("f", (x for v in vectors for x in v))
         accessor = {"bufferView": self._view(data, ARRAY_BUFFER), "componentType": FLOAT,
-                    "count": len(vectors), "type": "VEC3"}
+                    "count": len(vectors), "type": f"VEC{len(vectors[0])}"}
         if with_bounds:
             accessor["min"] = [min(data[i::3]) for i in range(3)]
             accessor["max"] = [max(data[i::3]) for i in range(3)]

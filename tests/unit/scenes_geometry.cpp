@@ -32,7 +32,8 @@ const char* const ALL_SCENES[] = {"cornell/cornell",
                                   "smallvcm/smallvcm-sun",
                                   "smallvcm/smallvcm-ceiling",
                                   "smallvcm/smallvcm-point",
-                                  "smallvcm/smallvcm-background"};
+                                  "smallvcm/smallvcm-background",
+                                  "gallery/gallery"};
 
 TEST(Scenes, LoadWithoutWarningAndNormalsFaceTheFront) {
   for (const char* stem : ALL_SCENES) {
