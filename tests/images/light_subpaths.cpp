@@ -188,7 +188,7 @@ TEST_F(LightSubpaths, AgreeOnAlpha) {
             with_alpha(lambert({0.8, 0.3, 0.2}), 0.5, "BLEND"));
   std::vector<uint8_t> rgba;
   for (int i = 0; i < 4; ++i)
-    rgba.insert(rgba.end(), {255, 255, 255, static_cast<uint8_t>(i == 1 ? 0 : 255)});
+    for (const int code : {255, 255, 255, i == 1 ? 0 : 255}) rgba.push_back(static_cast<uint8_t>(code));
   nlohmann::json light = with_alpha(emitter({2, 1.5, 1}), 0.7, "BLEND");
   light["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", scene.add_texture(2, rgba, true)}};
   Corners corners;

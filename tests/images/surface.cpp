@@ -179,7 +179,8 @@ json unlit(const dvec3& color, double alpha = 1, const char* mode = "OPAQUE") {
 TEST_F(Surfaces, MasksCutWhereTheTexelsEnd) {
   GltfScene scene = above_square();
   std::vector<uint8_t> rgba;
-  for (int i = 0; i < 16; ++i) rgba.insert(rgba.end(), {255, 255, 255, static_cast<uint8_t>(i * 16)});
+  for (int i = 0; i < 16; ++i)
+    for (const int code : {255, 255, 255, i * 16}) rgba.push_back(static_cast<uint8_t>(code));
   json mask = unlit({1, 1, 1}, 0.8, "MASK");
   mask["alphaCutoff"] = 0.2;
   mask["pbrMetallicRoughness"]["baseColorTexture"] = {{"index", scene.add_texture(4, rgba, true)}};

@@ -29,7 +29,8 @@ inline nlohmann::json bumpy(GltfScene& scene, nlohmann::json material) {
   std::vector<uint8_t> rgba;
   for (uint32_t i = 0; i < 16; ++i) {
     const auto code = [&](uint32_t k) { return static_cast<uint8_t>((2654435761u * (3 * i + k + 1)) >> 24); };
-    rgba.insert(rgba.end(), {code(0), code(1), 200, 255});
+    for (const int value : {int{code(0)}, int{code(1)}, 200, 255})
+      rgba.push_back(static_cast<uint8_t>(value));
   }
   material["normalTexture"] = {{"index", scene.add_texture(4, rgba)}};
   return material;
