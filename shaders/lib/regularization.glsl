@@ -162,6 +162,7 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
     value_in_weights += coat.value_in_weights;
     if (is_delta_event || !(value > 1e-30)) {
       // As below, for the one or two lobes that make the event.
+      result.ratio = 0.0;
       float base = is_delta_event && bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
       float over = is_delta_event && bsdf.coat_alpha.x > 0.0 ? 0.0 : 1.0;
       float shared_value = base * weight * lobes.terms.shadowing + over * lobes.coat_weight * lobes.coat_terms.shadowing;
@@ -206,7 +207,14 @@ float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
   }
   float peak = peak_scale * INV_PI / max(bsdf.alpha.x * bsdf.alpha.y, 1e-28);
   float sum = diffuse + specular;
-  return sum > 0.0 ? (diffuse * diffuse + specular * peak) / sum : 0.0;
+  float weighted_sum = diffuse * diffuse + specular * peak;
+  if (bsdf_has_coat()) {
+    float coat =
+        raise_coat(bsdf, lobes, wo, wi, facet, Regularization(regularization.tau, regularization.full_scale, 1.0)).value;
+    sum += coat;
+    weighted_sum += coat * 0.25 * INV_PI / max(bsdf.coat_alpha.x * bsdf.coat_alpha.y, 1e-28);
+  }
+  return sum > 0.0 ? weighted_sum / sum : 0.0;
 }
 
 // Tries of a virtual merge, stratified in the choice of the event.
@@ -223,7 +231,7 @@ vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization r
   for (uint i = 0u; i < VIRTUAL_MERGE_TRIES; ++i) {
     vec4 u = unit_interval(pcg4d(seed + i));
     float u_choice = min((u.x + float(i)) / float(VIRTUAL_MERGE_TRIES), ONE_MINUS_ULP);
-    FacetEvent event = sample_facet_event(bsdf, wo, u_choice, u.yz);
+    FacetEvent event = sample_facet_event(bsdf, wo, false, u_choice, u.yz);
     if (!event.facet.is_valid || dot(event.wi, wi) < cos_cone) continue;
     Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
     // The density cancels from value over pdf.
@@ -261,8 +269,10 @@ ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regular
   result.ratio = raised.ratio;
   result.eval.value = raised.value;
   if (is_virtual_merge() && regularization.alpha_scale > 0.0 &&
-      any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha)))
+      any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha))) {
     result.eval.value = lobes.diffuse + virtual_merge(bsdf, wo, wi, transport, regularization);
+    if (bsdf_has_coat()) result.eval.value += raise_coat(bsdf, lobes, wo, wi, facet, regularization).value;
+  }
   if (spec_mis != MIS_UNMODIFIED) {
     result.eval.pdf_forward = raised.pdf_forward;
     result.eval.pdf_reverse = raised.pdf_reverse;
