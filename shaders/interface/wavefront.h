@@ -53,7 +53,6 @@ REGULUS_CONSTANT REGULARIZATION_BOTH = 8u;           // with ROUGHNESS: beside t
 REGULUS_CONSTANT REGULARIZATION_DIFFUSION = 16u;     // with ROUGHNESS: by path diffusion, what is seen sharply is left alone
 REGULUS_CONSTANT SAMPLER_QUALITY_OFF = 0u;
 REGULUS_CONSTANT SAMPLER_QUALITY_ON = 1u;      // paths that some technique samples well are not regularized
-REGULUS_CONSTANT SAMPLER_QUALITY_SMOOTH = 2u;  // with a smooth transition
 REGULUS_CONSTANT BOUND_PEAK = 0u;
 REGULUS_CONSTANT BOUND_SMITH = 1u;
 REGULUS_CONSTANT BOUND_DIRECTIONAL = 2u;

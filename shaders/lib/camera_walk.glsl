@@ -39,7 +39,7 @@ vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vert
     uint edges = path.bounce + 1u;
     float distance = edge_length(frame, light.distance, light.is_distant);
     float worst = min(history_worst(history, counts, bsdf.bound, camera_edge_technique(edges)),
-                      bsdf.bound * light.bound / max(square(distance), 1e-30));
+                      bsdf.bound * light.bound / max(square(distance), 1e-12));
     MisVertex plain = mis_camera_vertex(counts, history.plain.x, history.plain.y, edges);
     float plain_weight = mis_weight_nee(counts, plain, bsdf.plain.pdf_forward * per_light, emission_pdf,
                                         bsdf.plain.pdf_reverse, 1.0);

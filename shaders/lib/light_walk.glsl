@@ -63,7 +63,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
     uint edges = path.bounce + 1u;
     float distance = edge_length(frame, lens.distance, frame.camera.kind == CAMERA_ORTHOGRAPHIC);
     float worst = min(history_worst(history, counts, bsdf.bound, light_edge_technique(edges)),
-                      bsdf.bound * camera_bound(frame) / max(square(distance), 1e-30));
+                      bsdf.bound * camera_bound(frame) / max(square(distance), 1e-12));
     MisVertex plain = mis_light_vertex(counts, history.plain.x, history.plain.y, edges);
     float plain_weight = mis_weight_splat(counts, plain, bsdf.plain.pdf_reverse, area_pdf, 1.0);
     float share = regularized_share(regularization, worst, history.distance + distance);

@@ -189,23 +189,27 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
   return result;
 }
 
+// Bounds are kept between these: products of two and a squared distance stay finite and positive.
+const float MIN_BOUND = 1e-10, MAX_BOUND = 1e10;
+
 // rho-bar: the largest value of the lobe that a pair of directions belongs to, with the alpha that the walk has. A mixture's
 // is that of its lobes by their shares of the fully regularized value at the pair, which are the same for all techniques.
 float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   float diffuse = dot(lobes.diffuse, LUMINANCE);
-  if (!bsdf_has_specular()) return diffuse;
+  if (!bsdf_has_specular()) return max(diffuse, MIN_BOUND);
   vec2 alpha = regularized_alpha(bsdf, facet, Regularization(regularization.tau, regularization.full_scale, 1.0));
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, abs(wi.z));
   MicrofacetTerms raised = microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h,
                                             max(alpha, vec2(MIN_ALPHA)), facet.is_refracted);
-  float density = facet.is_valid ? min(raised.density * lobes.density_scale, MAX_DENSITY) : 0.0;
-  float specular = dot(lobes.weight, LUMINANCE) * density * raised.shadowing;
+  float specular = 0.0;
+  if (facet.is_valid)
+    specular = dot(lobes.weight, LUMINANCE) * min(raised.density * lobes.density_scale, MAX_DENSITY) * raised.shadowing;
   float peak_scale = 0.25;
   if (bsdf_has_transmission() && facet.is_refracted) {
     float eta = 1.0 / bsdf.inverse_eta;
     peak_scale = square(max(eta, 1.0) * (eta + 1.0) / max(abs(bsdf.excess), 1e-6));
   }
-  float peak = peak_scale * INV_PI / max(bsdf.alpha.x * bsdf.alpha.y, 1e-28);
+  float peak = peak_scale * INV_PI / max(bsdf.alpha.x * bsdf.alpha.y, 1e-10);
   float sum = diffuse + specular;
   float weighted_sum = diffuse * diffuse + specular * peak;
   if (bsdf_has_coat()) {
@@ -214,7 +218,7 @@ float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
     sum += coat;
     weighted_sum += coat * 0.25 * INV_PI / max(bsdf.coat_alpha.x * bsdf.coat_alpha.y, 1e-28);
   }
-  return sum > 0.0 ? weighted_sum / sum : 0.0;
+  return sum > 0.0 ? clamp(weighted_sum / sum, MIN_BOUND, MAX_BOUND) : MIN_BOUND;
 }
 
 // Tries of a virtual merge, stratified in the choice of the event.
