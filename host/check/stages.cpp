@@ -62,7 +62,8 @@ class StageChecker {
 
   Tally generate(const Recording& recording) const {
     Tally tally(is_camera_ ? "camera_generate" : "light_generate", STEP_BOUND);
-    // A light path that starts where its light is dark is not traced, and its slot holds what was there before.
+    // A light path that starts where its light is dark is not traced, and its slot holds what was there
+    // before.
     const std::vector<uint32_t>& slots = recording.bounces.front().slots;
     const std::set<uint32_t> traced(slots.begin(), slots.end());
     for (uint32_t slot = 0; slot < recording.generated.size(); ++slot) {

@@ -177,11 +177,11 @@ class TangentWriter {
     for (const uint32_t copy : copies)
       if (scene_.vertex_tangents[copy] == tangent) return copy;
     const auto copy = static_cast<uint32_t>(scene_.vertices.size());
-    scene_.vertices.push_back(interface::Vertex(scene_.vertices[vertex]));
+    scene_.vertices.emplace_back(interface::Vertex(scene_.vertices[vertex]));
     scene_.vertex_tangents.push_back(tangent);
     if (scene_.vertex_colors.size() > vertex) {
       scene_.vertex_colors.resize(copy, glm::vec4(1));
-      scene_.vertex_colors.push_back(glm::vec4(scene_.vertex_colors[vertex]));
+      scene_.vertex_colors.emplace_back(glm::vec4(scene_.vertex_colors[vertex]));
     }
     copies.push_back(copy);
     return copy;
