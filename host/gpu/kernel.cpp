@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "base/error.hpp"
+#include "gpu/specialize.hpp"
 #include "gpu/state.hpp"
 
 namespace regulus::gpu {
@@ -26,10 +27,11 @@ struct Specialization {
   }
 };
 
+/// spirv: the module, specialized or not.
 vk::raii::Pipeline compile(const DeviceState& state, const KernelDescription& description,
-                           const vk::raii::PipelineCache& cache) {
-  const vk::raii::ShaderModule shader(
-      state.device, vk::ShaderModuleCreateInfo({}, description.spirv.size_bytes(), description.spirv.data()));
+                           std::span<const uint32_t> spirv, const vk::raii::PipelineCache& cache) {
+  const vk::raii::ShaderModule shader(state.device,
+                                      vk::ShaderModuleCreateInfo({}, spirv.size_bytes(), spirv.data()));
   const Specialization specialization(description);
   const vk::SpecializationInfo constants = specialization.info();
   const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *shader, "main",
@@ -40,13 +42,18 @@ vk::raii::Pipeline compile(const DeviceState& state, const KernelDescription& de
 /// Compiles with the help of the user's cache folder, and leaves there what was new.
 vk::raii::Pipeline compile_cached(DeviceState& state, const KernelDescription& description) {
   const PipelineCacheFile file(state.cache_folder, state.driver, description);
-  const std::vector<std::byte> known = file.load();
-  const vk::raii::PipelineCache cache(state.device,
-                                      vk::PipelineCacheCreateInfo({}, known.size(), known.data()));
-  vk::raii::Pipeline pipeline = compile(state, description, cache);
+  CachedKernel known = file.load();
+  const bool is_new = known.spirv.empty();
+  if (is_new) known.spirv = specialize(description);
+  const vk::raii::PipelineCache cache(
+      state.device, vk::PipelineCacheCreateInfo({}, known.driver_data.size(), known.driver_data.data()));
+  vk::raii::Pipeline pipeline = compile(state, description, known.spirv, cache);
   // Not whenever the driver's data has changed: SwiftShader's grows by one header each time it is read.
-  if (known.empty()) {
-    file.store(std::as_bytes(std::span<const uint8_t>(cache.getData())));
+  if (is_new) {
+    const std::vector<uint8_t> data = cache.getData();
+    const auto bytes = std::as_bytes(std::span(data));
+    known.driver_data.assign(bytes.begin(), bytes.end());
+    file.store(known);
     state.has_new_pipelines = true;
   }
   return pipeline;
@@ -66,9 +73,9 @@ Kernel Device::create_kernel(const KernelDescription& description) {
   try {
     std::shared_ptr<vk::raii::Pipeline>& pipeline = state.pipelines[kernel_key(state.driver, description)];
     if (!pipeline)
-      pipeline = std::make_shared<vk::raii::Pipeline>(state.cache_folder.empty()
-                                                          ? compile(state, description, nullptr)
-                                                          : compile_cached(state, description));
+      pipeline = std::make_shared<vk::raii::Pipeline>(
+          state.cache_folder.empty() ? compile(state, description, specialize(description), nullptr)
+                                     : compile_cached(state, description));
     kernel.impl.reset(new Kernel::Impl{impl->state, description.name, pipeline});
   } catch (const vk::SystemError& error) {
     if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);

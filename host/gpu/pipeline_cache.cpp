@@ -15,14 +15,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view EXTENSION = ".pipeline";
-constexpr std::array<char, 8> MAGIC = {'R', 'G', 'L', 'S', 'P', 'I', 'P', '1'};
+constexpr std::array<char, 8> MAGIC = {'R', 'G', 'L', 'S', 'P', 'I', 'P', '2'};
 
-/// Stands before the driver's data in the file.
+/// Stands in the file before the specialized module and the driver's data.
 struct FileHeader {
   std::array<char, 8> magic = MAGIC;
   uint64_t key = 0;
-  uint64_t data_bytes = 0;
-  uint64_t data_hash = 0;
+  uint64_t spirv_words = 0;
+  uint64_t data_bytes = 0;  ///< of both
+  uint64_t data_hash = 0;   ///< with spirv_words
 };
 
 /// FNV-1a, 64 bit (Fowler, Noll, Vo).
@@ -77,7 +78,7 @@ PipelineCacheFile::PipelineCacheFile(const fs::path& folder, const DriverIdentit
   if (!folder.empty()) path_ = folder / fmt::format("{:016x}{}", key_, EXTENSION);
 }
 
-std::vector<std::byte> PipelineCacheFile::load() const {
+CachedKernel PipelineCacheFile::load() const {
   if (path_.empty()) return {};
   const std::vector<std::byte> file = read_file(path_);
   FileHeader header;
@@ -85,17 +86,30 @@ std::vector<std::byte> PipelineCacheFile::load() const {
   std::memcpy(&header, file.data(), sizeof(header));
   const std::span<const std::byte> data = std::span(file).subspan(sizeof(header));
   const bool is_whole = header.magic == MAGIC && header.key == key_ && header.data_bytes == data.size() &&
-                        header.data_hash == hash_bytes(data);
-  if (!is_whole || !is_from(driver_, data)) return {};
-  return {data.begin(), data.end()};
+                        header.spirv_words <= data.size() / sizeof(uint32_t) &&
+                        header.data_hash == hash_bytes(data, hash_bytes(bytes_of(header.spirv_words)));
+  if (!is_whole) return {};
+  const std::span<const std::byte> spirv = data.first(header.spirv_words * sizeof(uint32_t));
+  const std::span<const std::byte> driver_data = data.subspan(spirv.size());
+  if (!is_from(driver_, driver_data)) return {};
+  CachedKernel kernel{std::vector<uint32_t>(header.spirv_words), {driver_data.begin(), driver_data.end()}};
+  std::memcpy(kernel.spirv.data(), spirv.data(), spirv.size());
+  return kernel;
 }
 
-void PipelineCacheFile::store(std::span<const std::byte> data) const {
+void PipelineCacheFile::store(const CachedKernel& kernel) const {
   if (path_.empty()) return;
   std::error_code ignored;
   fs::create_directories(path_.parent_path(), ignored);
   const fs::path temporary = fmt::format("{}.{}", path_.string(), ::getpid());
-  const FileHeader header{.key = key_, .data_bytes = data.size(), .data_hash = hash_bytes(data)};
+  const auto spirv = std::as_bytes(std::span(kernel.spirv));
+  std::vector<std::byte> data(spirv.begin(), spirv.end());
+  data.insert(data.end(), kernel.driver_data.begin(), kernel.driver_data.end());
+  const uint64_t words = kernel.spirv.size();
+  const FileHeader header{.key = key_,
+                          .spirv_words = words,
+                          .data_bytes = data.size(),
+                          .data_hash = hash_bytes(data, hash_bytes(bytes_of(words)))};
   std::ofstream file(temporary, std::ios::binary);
   file.write(reinterpret_cast<const char*>(&header), sizeof(header));
   file.write(reinterpret_cast<const char*>(data.data()), static_cast<std::streamsize>(data.size()));

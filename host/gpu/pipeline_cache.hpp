@@ -28,16 +28,23 @@ uint64_t kernel_key(const DriverIdentity& driver, const KernelDescription& kerne
 /// $XDG_CACHE_HOME/regulus or ~/.cache/regulus; empty if neither is set.
 std::filesystem::path cache_folder();
 
+/// What one file holds.
+struct CachedKernel {
+  std::vector<uint32_t> spirv;         ///< the specialized module
+  std::vector<std::byte> driver_data;  ///< for vkCreatePipelineCache
+  bool operator==(const CachedKernel&) const = default;
+};
+
 class PipelineCacheFile {
  public:
   /// An empty folder makes a cache that holds nothing.
   PipelineCacheFile(const std::filesystem::path& folder, const DriverIdentity& driver,
                     const KernelDescription& kernel);
 
-  /// Data for vkCreatePipelineCache; empty unless the file is there, whole, and of this driver and kernel.
-  std::vector<std::byte> load() const;
+  /// Both parts empty unless the file is there, whole, and of this driver and kernel.
+  CachedKernel load() const;
   /// Replaces the file in one step: a reader finds the old or the new one.
-  void store(std::span<const std::byte> data) const;
+  void store(const CachedKernel& kernel) const;
 
   const std::filesystem::path& path() const { return path_; }
 

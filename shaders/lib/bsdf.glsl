@@ -32,13 +32,14 @@ const uint BSDF_SAMPLE_VALID = 1u;
 const uint BSDF_SAMPLE_DELTA = 2u;
 const uint BSDF_SAMPLE_TRANSMITTED = 4u;
 
-// What this pipeline can meet. (Functions: glslang 12 orders constants derived from derived specialization
-// constants wrongly.)
-bool bsdf_has_specular() { return spec_material_class != MATERIAL_CLASS_DIFFUSE; }
-bool bsdf_has_transmission() { return spec_material_class == MATERIAL_CLASS_TRANSMISSIVE; }
-bool bsdf_has_rough() { return bsdf_has_specular() && (spec_features & FEATURE_ROUGH_SPECULAR) != 0u; }
-bool bsdf_has_coat() { return bsdf_has_specular() && (spec_features & FEATURE_CLEARCOAT) != 0u; }
-bool bsdf_has_delta() { return bsdf_has_specular() && (spec_features & FEATURE_DELTA_SPECULAR) != 0u; }
+// What this pipeline can meet. Macros of one comparison each: a branch on one is resolved before the driver sees the
+// module (host/gpu/specialize.hpp), a branch on what a function returns is not; and glslang 12 orders constants derived
+// from derived specialization constants wrongly.
+#define bsdf_has_specular() (spec_material_class != MATERIAL_CLASS_DIFFUSE)
+#define bsdf_has_transmission() (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
+#define bsdf_has_rough() (spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
+#define bsdf_has_coat() (spec_material_class * (spec_features & FEATURE_CLEARCOAT) != 0u)
+#define bsdf_has_delta() (spec_material_class * (spec_features & FEATURE_DELTA_SPECULAR) != 0u)
 
 // Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
 const float MIN_ALPHA = 1e-7;

@@ -29,13 +29,14 @@ bool diffuses(Bsdf bsdf) {
   return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
 }
 
-bool is_regularized() { return (spec_regularization & REGULARIZATION_ROUGHNESS) != 0u; }
-bool has_diffusion() { return (spec_regularization & REGULARIZATION_DIFFUSION) != 0u; }
-bool is_virtual_merge() { return (spec_regularization & REGULARIZATION_VIRTUAL_MERGE) != 0u; }
-bool is_both() { return (spec_regularization & REGULARIZATION_BOTH) != 0u; }
-bool has_sampler_quality() { return is_regularized() && spec_sampler_quality != SAMPLER_QUALITY_OFF; }
+// Macros as in lib/bsdf.glsl.
+#define is_regularized() ((spec_regularization & REGULARIZATION_ROUGHNESS) != 0u)
+#define has_diffusion() ((spec_regularization & REGULARIZATION_DIFFUSION) != 0u)
+#define is_virtual_merge() ((spec_regularization & REGULARIZATION_VIRTUAL_MERGE) != 0u)
+#define is_both() ((spec_regularization & REGULARIZATION_BOTH) != 0u)
+#define has_sampler_quality() ((spec_regularization & REGULARIZATION_ROUGHNESS) * spec_sampler_quality != 0u)
 // True if paths carry a PathHistory (lib/history.glsl).
-bool has_histories() { return is_regularized() && (has_sampler_quality() || is_both()); }
+#define has_histories() ((spec_regularization & REGULARIZATION_ROUGHNESS) * (spec_sampler_quality | (spec_regularization & REGULARIZATION_BOTH)) != 0u)
 
 // is_diffused: some vertex between this one and the camera diffuses.
 Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {

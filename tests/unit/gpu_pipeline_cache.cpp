@@ -20,8 +20,8 @@ class GpuPipelineCache : public testing::Test {
 
   PipelineCacheFile file() const { return {folder, driver, kernel}; }
 
-  /// Data as this driver would give it: the header that Vulkan prescribes, then anything.
-  std::vector<std::byte> driver_data() const {
+  /// A module, and data as this driver would give it: the header that Vulkan prescribes, then anything.
+  CachedKernel compiled() const {
     VkPipelineCacheHeaderVersionOne header{};
     header.headerSize = sizeof(header);
     header.headerVersion = VK_PIPELINE_CACHE_HEADER_VERSION_ONE;
@@ -30,8 +30,10 @@ class GpuPipelineCache : public testing::Test {
     std::copy(driver.cache_uuid.begin(), driver.cache_uuid.end(), header.pipelineCacheUUID);
     std::vector<std::byte> data(sizeof(header) + 100, std::byte{0x5a});
     std::memcpy(data.data(), &header, sizeof(header));
-    return data;
+    return {{7, 8, 9}, data};
   }
+
+  bool is_empty(const PipelineCacheFile& cached) const { return cached.load() == CachedKernel{}; }
 
   std::vector<char> read() const {
     std::ifstream stream(file().path(), std::ios::binary);
@@ -49,13 +51,13 @@ class GpuPipelineCache : public testing::Test {
 };
 
 TEST_F(GpuPipelineCache, GivesBackWhatWasStored) {
-  EXPECT_TRUE(file().load().empty());
-  file().store(driver_data());
-  EXPECT_EQ(file().load(), driver_data());
+  EXPECT_TRUE(is_empty(file()));
+  file().store(compiled());
+  EXPECT_TRUE(file().load() == compiled());
 }
 
 TEST_F(GpuPipelineCache, LeavesNoTemporaryFile) {
-  file().store(driver_data());
+  file().store(compiled());
   EXPECT_EQ(std::distance(fs::directory_iterator(folder), fs::directory_iterator()), 1);
 }
 
@@ -71,59 +73,59 @@ TEST_F(GpuPipelineCache, AnotherKernelConstantOrDriverHasAFileOfItsOwn) {
 }
 
 TEST_F(GpuPipelineCache, IgnoresAFileOfAnotherKernelUnderItsName) {
-  file().store(driver_data());
+  file().store(compiled());
   kernel.constants = {{0, 32}};
   const PipelineCacheFile other(folder, driver, kernel);
   kernel.constants = {{0, 64}};
   fs::rename(file().path(), other.path());
-  EXPECT_TRUE(other.load().empty());
+  EXPECT_TRUE(is_empty(other));
 }
 
 TEST_F(GpuPipelineCache, IgnoresDataOfAnotherDriver) {
-  std::vector<std::byte> foreign = driver_data();
-  foreign[offsetof(VkPipelineCacheHeaderVersionOne, pipelineCacheUUID)] ^= std::byte{1};
+  CachedKernel foreign = compiled();
+  foreign.driver_data[offsetof(VkPipelineCacheHeaderVersionOne, pipelineCacheUUID)] ^= std::byte{1};
   file().store(foreign);
-  EXPECT_TRUE(file().load().empty());
+  EXPECT_TRUE(is_empty(file()));
 }
 
 TEST_F(GpuPipelineCache, IgnoresAFileTruncatedAnywhere) {
-  file().store(driver_data());
+  file().store(compiled());
   const std::vector<char> whole = read();
   for (size_t length = 0; length < whole.size(); ++length) {
     write({whole.begin(), whole.begin() + std::ptrdiff_t(length)});
-    ASSERT_TRUE(file().load().empty()) << "truncated to " << length << " of " << whole.size();
+    ASSERT_TRUE(is_empty(file())) << "truncated to " << length << " of " << whole.size();
   }
 }
 
 TEST_F(GpuPipelineCache, IgnoresAFileWithAnyByteChanged) {
-  file().store(driver_data());
+  file().store(compiled());
   const std::vector<char> whole = read();
   for (size_t i = 0; i < whole.size(); ++i) {
     std::vector<char> changed = whole;
     changed[i] = char(changed[i] ^ 0x10);
     write(changed);
-    ASSERT_TRUE(file().load().empty()) << "byte " << i;
+    ASSERT_TRUE(is_empty(file())) << "byte " << i;
   }
 }
 
 TEST_F(GpuPipelineCache, IgnoresTrailingBytes) {
-  file().store(driver_data());
+  file().store(compiled());
   std::vector<char> longer = read();
   longer.push_back('x');
   write(longer);
-  EXPECT_TRUE(file().load().empty());
+  EXPECT_TRUE(is_empty(file()));
 }
 
 TEST_F(GpuPipelineCache, WithoutAFolderHoldsNothing) {
   const PipelineCacheFile nowhere({}, driver, kernel);
-  nowhere.store(driver_data());
-  EXPECT_TRUE(nowhere.load().empty());
+  nowhere.store(compiled());
+  EXPECT_TRUE(is_empty(nowhere));
 }
 
 TEST_F(GpuPipelineCache, AFolderThatCannotBeMadeIsNoError) {
   std::ofstream(folder) << "a file where the folder should be";
-  file().store(driver_data());
-  EXPECT_TRUE(file().load().empty());
+  file().store(compiled());
+  EXPECT_TRUE(is_empty(file()));
 }
 
 TEST_F(GpuPipelineCache, PruningKeepsTheNewestAndForeignFiles) {
@@ -131,7 +133,7 @@ TEST_F(GpuPipelineCache, PruningKeepsTheNewestAndForeignFiles) {
   const auto now = fs::file_time_type::clock::now();
   for (uint32_t i = 0; i < 6; ++i) {
     kernel.constants = {{0, i}};
-    file().store(driver_data());
+    file().store(compiled());
     paths.push_back(file().path());
     fs::last_write_time(paths.back(), now - std::chrono::hours(6 - i));
   }

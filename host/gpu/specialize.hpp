@@ -1,0 +1,17 @@
+// Specialization of a kernel before the driver sees it. Internal to host/gpu.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/gpu.hpp"
+
+namespace regulus::gpu {
+
+/// The kernel's module with its specialization constants replaced by their values, without the branches that
+/// cannot be taken then and the functions that nothing calls any more. Drivers inline every function before
+/// they find out what is dead: on lavapipe a stage of many features compiles three to six times faster so.
+/// If the optimizer refuses the module it comes back as it was.
+std::vector<uint32_t> specialize(const KernelDescription& kernel);
+
+}  // namespace regulus::gpu
