@@ -40,6 +40,7 @@ std::vector<BenchComparison> talk_comparisons(const std::string& folder) {
        {{"bpt", "-i bpt" + none},
         {"off", "-i bpt --sampler-quality off --tau-schedule fixed" + roughness},
         {"on", "-i bpt --sampler-quality on --tau-schedule fixed" + roughness},
+        {"smooth", "-i bpt --sampler-quality smooth --tau-schedule fixed" + roughness},
         {"on, without diffusion",
          "-i bpt --sampler-quality on --diffusion off --tau-schedule fixed" + roughness}}},
       {"Path tracing, bidirectional path tracing, vertex connection and merging",

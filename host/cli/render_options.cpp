@@ -34,8 +34,8 @@ const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {
     {"roughness", REGULARIZATION_ROUGHNESS},
     {"virtual-merge", REGULARIZATION_ROUGHNESS | REGULARIZATION_VIRTUAL_MERGE},
     {"both", REGULARIZATION_ROUGHNESS | REGULARIZATION_BOTH}};
-const std::map<std::string, uint32_t> SAMPLER_QUALITY_NAMES = {{"off", SAMPLER_QUALITY_OFF},
-                                                               {"on", SAMPLER_QUALITY_ON}};
+const std::map<std::string, uint32_t> SAMPLER_QUALITY_NAMES = {
+    {"off", SAMPLER_QUALITY_OFF}, {"on", SAMPLER_QUALITY_ON}, {"smooth", SAMPLER_QUALITY_SMOOTH}};
 const std::map<std::string, uint32_t> DIFFUSION_NAMES = {{"off", 0}, {"on", REGULARIZATION_DIFFUSION}};
 const std::map<std::string, uint32_t> BOUND_NAMES = {
     {"peak", BOUND_PEAK}, {"smith", BOUND_SMITH}, {"directional", BOUND_DIRECTIONAL}};
@@ -195,7 +195,8 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->default_str("on");
   command
       .add_option("--sampler-quality", settings.sampler_quality,
-                  "on: paths that some technique samples well are not regularized; off")
+                  "on: paths that some technique samples well are not regularized; smooth: with a soft "
+                  "transition; off")
       ->transform(CLI::CheckedTransformer(SAMPLER_QUALITY_NAMES))
       ->default_str("off");
   command

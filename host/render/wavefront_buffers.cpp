@@ -50,8 +50,9 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   LightVertexPlan plan;
   plan.has_vertices = has(settings, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
   plan.has_merges = has(settings, TECHNIQUE_MERGE);
-  plan.has_sharp =
-      has(settings, LIGHT_SUBPATH_TECHNIQUES) && (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
+  const bool has_diffusion = (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
+  plan.has_sharp = has_diffusion && has(settings, LIGHT_SUBPATH_TECHNIQUES);
+  plan.has_footprints = has_diffusion && !has(settings, LIGHT_SUBPATH_TECHNIQUES);
   const bool is_paired = settings.light_paths == uint64_t{settings.width} * settings.height;
   plan.has_histories = settings.regularization != REGULARIZATION_NONE &&
                        (settings.sampler_quality != SAMPLER_QUALITY_OFF ||
@@ -74,6 +75,7 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
   if (plan.has_histories)
     bytes += sizeof(PathHistory) *
              (plan.has_vertices ? 2 + (plan.is_per_wave ? vertices_per_path(settings) : 0) : 1);
+  if (plan.has_footprints) bytes += sizeof(vec3);
   if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
     bytes += vertices_per_path(settings) * sizeof(PathVertex) + sizeof(LightPathHead);
@@ -123,6 +125,7 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   if (has_environment) escaped_ = per_path(sizeof(uint32_t), "escaped paths", frame_.escaped);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
+  if (plan_.has_footprints) path_footprints_ = per_path(sizeof(vec3), "footprints", frame_.path_footprints);
   if (plan_.has_histories)
     path_histories_ = per_path(sizeof(PathHistory), "path histories", frame_.path_histories);
   if (plan_.has_histories && plan_.has_vertices)

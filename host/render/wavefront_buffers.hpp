@@ -17,8 +17,9 @@ struct LightVertexPlan {
   bool is_per_wave = true;
   bool has_vertices = false;  ///< connections or merges are enabled
   bool has_merges = false;
-  bool has_histories = false;  ///< sampler quality or both: a PathHistory beside each path and vertex
-  bool has_sharp = false;      ///< regularized: accumulators for both levels of path diffusion
+  bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
+  bool has_footprints = false;  ///< path diffusion without light subpaths: a footprint beside each path
+  bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
 };
 
 /// The plan for settings whose techniques are effective ones.
@@ -61,7 +62,8 @@ class WavefrontBuffers {
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
       pairs_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_,
-      light_vertex_sharp_, path_histories_, camera_vertex_histories_, light_vertex_histories_;
+      light_vertex_sharp_, path_footprints_, path_histories_, camera_vertex_histories_,
+      light_vertex_histories_;
 };
 
 }  // namespace regulus::render

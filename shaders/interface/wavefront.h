@@ -53,6 +53,7 @@ REGULUS_CONSTANT REGULARIZATION_BOTH = 8u;           // with ROUGHNESS: beside t
 REGULUS_CONSTANT REGULARIZATION_DIFFUSION = 16u;     // with ROUGHNESS: by path diffusion, what is seen sharply is left alone
 REGULUS_CONSTANT SAMPLER_QUALITY_OFF = 0u;
 REGULUS_CONSTANT SAMPLER_QUALITY_ON = 1u;      // paths that some technique samples well are not regularized
+REGULUS_CONSTANT SAMPLER_QUALITY_SMOOTH = 2u;  // with a smooth transition
 REGULUS_CONSTANT BOUND_PEAK = 0u;
 REGULUS_CONSTANT BOUND_SMITH = 1u;
 REGULUS_CONSTANT BOUND_DIRECTIONAL = 2u;
@@ -155,7 +156,7 @@ struct GridEntry {
 };
 REGULUS_LAYOUT(GridEntry, 16);
 
-// What sampler quality and `both` know of a subpath beside Path or PathVertex (lib/sampler_quality.glsl). In a path
+// What sampler quality and `both` know of a subpath beside Path or PathVertex (lib/history.glsl). In a path
 // between stages `plain` and `pending` do not know the length of the ray yet.
 struct PathHistory {
   vec2 plain;         // accumulators (A, B) of the unregularized weights
@@ -262,6 +263,8 @@ struct Frame {
   DeviceAddress path_histories;          // per path slot
   DeviceAddress camera_vertex_histories;  // per path slot
   DeviceAddress light_vertex_histories;  // per light vertex
+  DeviceAddress path_footprints;         // vec3 per path slot (lib/footprint.glsl); only with path diffusion, without
+                                         // light subpaths
   uint width, height;
   uint light_count;
   uint seed;
@@ -285,7 +288,7 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint reserved;
 };
-REGULUS_LAYOUT(Frame, 496);
+REGULUS_LAYOUT(Frame, 504);
 
 // Push constants of every stage.
 struct StageArguments {

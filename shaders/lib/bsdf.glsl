@@ -31,6 +31,8 @@ const uint TRANSPORT_IMPORTANCE = 1u;  // walks from lights
 const uint BSDF_SAMPLE_VALID = 1u;
 const uint BSDF_SAMPLE_DELTA = 2u;
 const uint BSDF_SAMPLE_TRANSMITTED = 4u;
+const uint BSDF_SAMPLE_DIFFUSE = 8u;  // by the diffuse lobe
+const uint BSDF_SAMPLE_COAT = 16u;    // by the clearcoat
 
 // What this pipeline can meet. Macros of one comparison each: a branch on one is resolved before the driver sees the
 // module (host/gpu/specialize.hpp), a branch on what a function returns is not; and glslang 12 orders constants derived
@@ -483,13 +485,14 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   Encounter facet = reflection_encounter(wo, diffuse_wi);
   vec3 wi = diffuse_wi;
   bool is_diffuse = true;
+  bool is_coat = false;
   bool is_delta = false;
   BsdfEval delta;
   if (bsdf_has_specular()) {
     vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
     float coat_o = bsdf_has_coat() ? coat_probability(bsdf, bsdf.coat, wo.z, s_o) : 0.0;
-    bool is_coat = bsdf_has_coat() && u_lobe < coat_o;
+    is_coat = bsdf_has_coat() && u_lobe < coat_o;
     if (bsdf_has_coat()) {
       u_lobe = is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);
       u_lobe = clamp(u_lobe, 0.0, ONE_MINUS_ULP);
@@ -519,7 +522,8 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   result.pdf_forward = eval.pdf_forward;
   result.pdf_reverse = eval.pdf_reverse;
   result.flags = BSDF_SAMPLE_VALID | (is_delta ? BSDF_SAMPLE_DELTA : 0u) |
-                 (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u);
+                 (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u) | (is_diffuse ? BSDF_SAMPLE_DIFFUSE : 0u) |
+                 (is_coat ? BSDF_SAMPLE_COAT : 0u);
   bool is_scaled = bsdf_has_transmission() && facet.is_refracted && transport == TRANSPORT_RADIANCE;
   result.eta_scale = is_scaled ? 1.0 / bsdf.inverse_eta_squared : 1.0;
   return result;

@@ -2,6 +2,7 @@
 #ifndef REGULUS_LIB_CAMERA_WALK_GLSL
 #define REGULUS_LIB_CAMERA_WALK_GLSL
 
+#include "lib/footprint.glsl"
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
@@ -26,8 +27,7 @@ vec3 emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory hi
 
 // What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
 vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-                      TechniqueCounts counts, LightSample light, vec3 wi) {
-  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
+                      Regularization regularization, TechniqueCounts counts, LightSample light, vec3 wi) {
   ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
   float per_light = light.is_delta ? 0.0 : 1.0 / light.pdf;
@@ -51,13 +51,13 @@ vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vert
 
 // Technique `nee`: queues a shadow segment with what it would contribute.
 void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-                      TechniqueCounts counts, uint slot, vec4 u) {
+                      Regularization regularization, TechniqueCounts counts, uint slot, vec4 u) {
   if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
   LightSample light = sample_light(frame, point.surface.position, u);
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
   vec3 contribution = path.throughput * light.radiance *
-                      (light_connection(frame, point, path, vertex, history, counts, light, wi) / light.pdf);
+                      (light_connection(frame, point, path, vertex, history, regularization, counts, light, wi) / light.pdf);
   contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
@@ -73,8 +73,9 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
 }
 
 // Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.
-void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history, TechniqueCounts counts,
-             uint slot, vec4 u) {
+// triangle: of the surface; footprint: on arrival there.
+void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+             Regularization regularization, TechniqueCounts counts, uint triangle, vec3 footprint, uint slot, vec4 u) {
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction = to_world(point, next.wi);
@@ -92,7 +93,6 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
   WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, regularization);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
   float cos_out = dot(direction, point.geometric_normal);
@@ -104,6 +104,11 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
     float worst = history_worst(history, counts, walk.bound, camera_edge_technique(edges));
     history_scatter(counts, plain, worst, walk, pdf_ratio, cos_out, history);
     STORE(PathHistoryBuffer, frame.path_histories, slot, history);
+  }
+  if (has_footprints()) {
+    float curvature = mean_curvature(frame, triangle);
+    footprint = scattered(footprint, point.bsdf, next, point.is_front ? curvature : -curvature);
+    STORE(Vec3Buffer, frame.path_footprints, slot, footprint);
   }
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;

@@ -56,12 +56,17 @@ float history_worst(PathHistory history, TechniqueCounts counts, float bound, ui
 uint camera_edge_technique(uint edges) { return edges == 1u ? TECHNIQUE_SPLAT : TECHNIQUE_CONNECT; }
 uint light_edge_technique(uint edges) { return edges == 1u ? TECHNIQUE_NEE : TECHNIQUE_CONNECT; }
 
+// Half the width of the smooth transition, in natural logarithms of q.
+const float SMOOTH_WIDTH = 2.0;
+
 // How much of the regularized estimate a path gets: 1 all, 0 none. Lengths in m, worst in 1/m^2.
 float regularized_share(Regularization regularization, float worst, float length_of_path) {
   if (spec_sampler_quality == SAMPLER_QUALITY_OFF) return 1.0;
   float quality = min(worst * square(length_of_path), NO_BOUND);
-  float threshold = square(regularization.tau / square(regularization.full_scale));
-  return quality < threshold ? 0.0 : 1.0;
+  float threshold = square(regularization.full_tau / square(regularization.full_scale));
+  if (spec_sampler_quality == SAMPLER_QUALITY_ON) return quality < threshold ? 0.0 : 1.0;
+  float excess = log_accurate(max(quality, 1e-30)) - log_accurate(min(threshold, NO_BOUND));
+  return smoothstep(-SMOOTH_WIDTH, SMOOTH_WIDTH, excess);
 }
 
 // With `both`: a vertex of the regularized weights once the ratio of its bsdf is known. Every technique on this side of

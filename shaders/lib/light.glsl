@@ -97,6 +97,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   result.emission_ratio = emission_pdf / max(square(result.distance), 1e-30);
   result.is_distant = false;
   result.is_delta = false;
+  result.bound = EMITTER_BOUND;
   return result;
 }
 

@@ -8,19 +8,19 @@
 #include "lib/bsdf.glsl"
 #include "lib/rng.glsl"
 
-// What one path is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
+// What one vertex is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
 struct Regularization {
-  float tau;          // 1/sr
+  float tau;          // 1/sr, of this vertex
   float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not at all
-  float full_scale;   // the same for a vertex that is regularized
+  float full_tau;     // the same two for a vertex that is regularized most
+  float full_scale;
 };
 
-const Regularization UNREGULARIZED = Regularization(1e30, 0.0, 1.0);
-
-// Path diffusion (--diffusion off: every vertex is regularized). What the camera sees directly, or through surfaces that are all sharp, is not regularized: mirrors, highlights and
-// what is seen through glass stay as they are. Path diffusion with two levels (math.md 3.8 A): a vertex is regularized
-// if some vertex between it and the camera diffuses. That is a function of the path; light subpaths, which cannot know
-// it, keep their accumulators for both cases.
+// Path diffusion (--diffusion off: every vertex is regularized fully). What the camera sees directly, or through
+// surfaces that are all sharp, stays sharp: mirrors, highlights and what is seen through glass. Path tracing follows the
+// width of the bundle of paths (lib/footprint.glsl). With light subpaths there are two levels (math.md 3.8 A): a vertex
+// is regularized if some vertex between it and the camera diffuses. That is a function of the path; light subpaths, which
+// cannot know it, keep their accumulators for both cases.
 const float SHARP_ALPHA = 0.05;
 
 bool diffuses(Bsdf bsdf) {
@@ -38,12 +38,28 @@ bool diffuses(Bsdf bsdf) {
 // True if paths carry a PathHistory (lib/history.glsl).
 #define has_histories() ((spec_regularization & REGULARIZATION_ROUGHNESS) * (spec_sampler_quality | (spec_regularization & REGULARIZATION_BOTH)) != 0u)
 
-// is_diffused: some vertex between this one and the camera diffuses.
-Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {
+// Below this diffusion a vertex is left alone.
+const float MIN_DIFFUSION = 1e-6;
+
+// Of a vertex at which paths from the camera have this diffusion in [0, 1].
+Regularization diffused_regularization(Frame frame, uint iteration, float diffusion) {
   float scale = 1.0;
   if ((spec_regularization & REGULARIZATION_CONSISTENT) != 0u)
     scale = exp_accurate(log_accurate(float(iteration) + 1.0) * (-1.0 / 6.0));
-  return Regularization(frame.tau, is_diffused || !has_diffusion() ? scale : 0.0, scale);
+  return Regularization(frame.tau / max(diffusion, MIN_DIFFUSION), diffusion > MIN_DIFFUSION ? scale : 0.0, frame.tau,
+                        scale);
+}
+
+// is_diffused: some vertex between this one and the camera diffuses.
+Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {
+  return diffused_regularization(frame, iteration, is_diffused || !has_diffusion() ? 1.0 : 0.0);
+}
+
+// As at a vertex that is regularized most.
+Regularization full(Regularization regularization) {
+  regularization.tau = regularization.full_tau;
+  regularization.alpha_scale = regularization.full_scale;
+  return regularization;
 }
 
 // Interfaces whose indices differ by less than this share hardly bend light: no roughness blurs them (math.md 2.5),
@@ -198,7 +214,7 @@ const float MIN_BOUND = 1e-10, MAX_BOUND = 1e10;
 float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   float diffuse = dot(lobes.diffuse, LUMINANCE);
   if (!bsdf_has_specular()) return max(diffuse, MIN_BOUND);
-  vec2 alpha = regularized_alpha(bsdf, facet, Regularization(regularization.tau, regularization.full_scale, 1.0));
+  vec2 alpha = regularized_alpha(bsdf, facet, full(regularization));
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, abs(wi.z));
   MicrofacetTerms raised = microfacet_terms(wo, wi_facet, facet.h, facet.o_dot_h, facet.i_dot_h,
                                             max(alpha, vec2(MIN_ALPHA)), facet.is_refracted);
@@ -214,8 +230,7 @@ float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
   float sum = diffuse + specular;
   float weighted_sum = diffuse * diffuse + specular * peak;
   if (bsdf_has_coat()) {
-    float coat =
-        raise_coat(bsdf, lobes, wo, wi, facet, Regularization(regularization.tau, regularization.full_scale, 1.0)).value;
+    float coat = raise_coat(bsdf, lobes, wo, wi, facet, full(regularization)).value;
     sum += coat;
     weighted_sum += coat * 0.25 * INV_PI / max(bsdf.coat_alpha.x * bsdf.coat_alpha.y, 1e-28);
   }

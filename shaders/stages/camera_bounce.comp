@@ -42,7 +42,13 @@ void main() {
   uint pixel = path.pixel & PATH_PIXEL;
   vec4 light_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
   vec4 bsdf_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
-  connect_to_light(frame, point, path, vertex, history, counts, slot, light_u);
+  vec3 footprint = vec3(0.0);
+  Regularization regularization = regularization_of(frame, path.sample_index, is_diffused(path));
+  if (has_footprints()) {
+    footprint = travelled(LOAD(Vec3Buffer, frame.path_footprints, slot), hit.t);
+    regularization = diffused_regularization(frame, path.sample_index, diffusion(footprint));
+  }
+  connect_to_light(frame, point, path, vertex, history, regularization, counts, slot, light_u);
   if ((spec_techniques & TECHNIQUE_CONNECT) != 0u && is_connectible(point)) append_pairs(frame, path, slot);
-  scatter(frame, point, path, vertex, history, counts, slot, bsdf_u);
+  scatter(frame, point, path, vertex, history, regularization, counts, hit.triangle, footprint, slot, bsdf_u);
 }

@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera.glsl"
+#include "lib/footprint.glsl"
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/stage.glsl"
@@ -34,6 +35,7 @@ void main() {
   if (has_histories())
     STORE(PathHistoryBuffer, frame.path_histories, slot,
           start_history(path.mis_a, path.mis_b, camera_bound(frame)));
+  if (has_footprints()) STORE(Vec3Buffer, frame.path_footprints, slot, start_footprint(frame));
   STORE(Vec3Buffer, frame.radiance, slot, vec3(0.0));
   append_ray(0u, slot);
 }

@@ -178,6 +178,7 @@ TEST_F(Regularization, MixturesKeepTheEnergyOfAGlossyRoom) {
   };
   for (const uint32_t techniques : {BPT, VCM}) {
     EXPECT_NEAR(ratio_of(techniques, SAMPLER_QUALITY_ON, 0), 1, 0.03);
+    EXPECT_NEAR(ratio_of(techniques, SAMPLER_QUALITY_SMOOTH, 0), 1, 0.03);
     EXPECT_NEAR(ratio_of(techniques, SAMPLER_QUALITY_OFF, REGULARIZATION_BOTH), 1, 0.03);
   }
   EXPECT_NEAR(ratio_of(PT, SAMPLER_QUALITY_ON, 0), 1, 0.03);
