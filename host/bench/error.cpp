@@ -45,7 +45,7 @@ Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& 
                 render::RenderSettings settings, const ErrorBudget& budget, const image::Image* reference) {
   settings.keeps_doublings = true;
   settings.samples = budget.samples != 0 ? budget.samples : 1u << 24;
-  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const uint64_t pixels = settings.window().pixels();
   render::Renderer renderer(device, scene, bvh, settings);
 
   Trial trial;

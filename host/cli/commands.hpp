@@ -10,5 +10,6 @@ void add_render_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_inspect_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
+void add_merge_command(CLI::App& app);
 
 }  // namespace regulus::cli

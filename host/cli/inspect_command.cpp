@@ -78,7 +78,7 @@ Json lights_json(const scene::Scene& scene) {
 // device.
 Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings) {
   const auto bytes = [](const auto& values) { return uint64_t{values.size()} * sizeof(values[0]); };
-  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const uint64_t pixels = settings.window().pixels();
   Json memory = {
       {"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
       {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},

@@ -33,6 +33,7 @@ int run(int argc, char** argv) {
   regulus::cli::add_check_command(app);
   regulus::cli::add_devices_command(app);
   regulus::cli::add_diff_command(app);
+  regulus::cli::add_merge_command(app);
   regulus::cli::add_bench_command(app);
   try {
     app.parse(argc, argv);

@@ -11,6 +11,7 @@
 
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
+#include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress.hpp"
@@ -19,6 +20,8 @@
 #include "cli/stats.hpp"
 #include "cli/stop_rule.hpp"
 #include "image/atomic_file.hpp"
+#include "render/aov.hpp"
+#include "render/film_file.hpp"
 #include "render/renderer.hpp"
 
 namespace regulus::cli {
@@ -74,12 +77,12 @@ Outputs resolve_outputs(const RenderOptions& options) {
   require_writable(outputs.exr, "--output");
   require_writable(outputs.png, "--png");
   require_writable(outputs.stats, "--stats");
+  require_writable(options.checkpoint, "--checkpoint");
   return outputs;
 }
 
 void write_outputs(const Outputs& outputs, const RenderOptions& options, const image::Image& image,
-                   const image::Attributes& attributes, const nlohmann::json& statistics) {
-  image::write_exr(outputs.exr, image, attributes);
+                   const nlohmann::json& statistics) {
   if (!outputs.png.empty()) image::write_png(outputs.png, image, options.exposure_ev);
   if (!outputs.stats.empty()) image::write_file_atomically(outputs.stats, statistics.dump(2) + "\n");
 }
@@ -93,10 +96,11 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
   if (statistics.traversal_overruns > 0)
     spdlog::error("{} rays hit the traversal's step bound: a bug, please report the scene",
                   statistics.traversal_overruns);
-  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const render::Window window = settings.window();
+  const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)", outputs.exr.string(),
-               settings.width, settings.height, statistics.paths / pixels, statistics.render_seconds,
-               1e-6 * static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9));
+               window.width, window.height, statistics.paths / window.pixels(), statistics.render_seconds,
+               1e-6 * paths / std::max(statistics.render_seconds, 1e-9));
 }
 
 // Throws the error of a render that was stopped; its outputs are written.
@@ -112,6 +116,8 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
   if (options.time_limit || options.noise_target)
     throw Error(ExitStatus::BadUsage,
                 "--time and --noise need --backend vulkan; give --spp to the reference");
+  if (!options.sample_range.empty() || !options.checkpoint.empty())
+    throw Error(ExitStatus::BadUsage, "--samples and --checkpoint need --backend vulkan");
   Stopwatch stopwatch;
   catch_interrupts();
   ReferenceRender rendered;
@@ -127,7 +133,8 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
   attributes["regulus:device"] = "scalar reference";
   attributes["regulus:samples_done"] = std::to_string(rendered.samples);
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
-  write_outputs(outputs, options, rendered.image, attributes, nlohmann::json(attributes));
+  image::write_exr(outputs.exr, rendered.image, attributes);
+  write_outputs(outputs, options, rendered.image, nlohmann::json(attributes));
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.exr.string(),
                settings.width, settings.height, rendered.samples, seconds);
   require_complete(rendered.samples == settings.samples, outputs);
@@ -141,6 +148,43 @@ void print_noise(double noise, double target) {
                noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
 }
 
+// The film that --resume goes on from; none if there is no checkpoint yet. Without --resume a checkpoint is
+// not overwritten: it may be hours of work.
+std::optional<render::Film> find_checkpoint(const RenderOptions& options, const scene::Scene& scene,
+                                            const render::RenderSettings& settings) {
+  std::error_code error;
+  if (options.checkpoint.empty() || !fs::exists(options.checkpoint, error)) return std::nullopt;
+  if (!options.is_resumed)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it",
+                            options.checkpoint));
+  return read_checkpoint(options.checkpoint, scene_attributes(scene, settings), settings);
+}
+
+image::Placement placement_of(const render::RenderSettings& settings) {
+  const render::Window window = settings.window();
+  return {window.x, window.y, settings.width, settings.height};
+}
+
+// The picture, with its AOVs, and with its sums if it is a range of samples. A device that is lost makes no
+// AOVs of surfaces any more.
+image::Image write_image(const Outputs& outputs, const RenderOptions& options,
+                         const render::RenderSettings& settings, const image::Attributes& attributes,
+                         render::Renderer& renderer, bool is_device_lost) {
+  const render::Film& film = renderer.film();
+  image::Channels channels;
+  if ((settings.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
+    render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
+  render::add_film_channels(film, settings.aovs, channels);
+  image::Image image = resolve(film);
+  if (options.sample_range.empty())
+    image::write_exr(outputs.exr, image, attributes, channels, placement_of(settings));
+  else
+    write_part(outputs.exr, film, {{settings.first_sample, settings.samples}}, attributes, channels,
+               placement_of(settings));
+  return image;
+}
+
 void render_scene(CLI::App& command, RenderOptions& options) {
   set_up_log(options);
   lift_sample_limit(command, options);
@@ -152,6 +196,7 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   apply_scene_settings(command, scene);
   const render::RenderSettings settings = resolve_settings(options, scene);
   times.load_seconds = stopwatch.lap();
+  const std::optional<render::Film> earlier = find_checkpoint(options, scene, settings);
 
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
@@ -168,28 +213,36 @@ void render_scene(CLI::App& command, RenderOptions& options) {
     spdlog::info("device {}", device.info().name);
   render::Renderer renderer(device, scene, bvh, settings);
   times.pipeline_seconds = device.pipeline_seconds();
+  if (earlier) resume(renderer, options.checkpoint, *earlier);
+  Checkpoint checkpoint(options.checkpoint, options.checkpoint_seconds, [&](const render::Film& film) {
+    write_part(options.checkpoint, film, {{settings.first_sample, settings.samples}},
+               image_attributes(device, scene, settings, renderer), {}, placement_of(settings));
+  });
 
   catch_interrupts();
-  StopRule stop(options, uint64_t{settings.width} * settings.height);
+  const uint64_t pixels = settings.window().pixels();
+  StopRule stop(options, pixels);
   std::optional<Error> failure;
   try {
     ProgressLine progress(!options.is_quiet);
     renderer.render([&](uint64_t done, uint64_t total) {
       progress.update(done, total);
+      checkpoint.update(renderer.film());
       return !is_interrupted() && !stop.is_reached(renderer.film(), done);
     });
   } catch (const Error& error) {
     failure = error;  // a lost device: what was rendered before is still written
     if (renderer.film().paths == 0) throw;
   }
-  const bool is_finished =
-      stop.was_reached() ||
-      renderer.film().paths >= uint64_t{settings.width} * settings.height * settings.samples;
+  checkpoint.finish(renderer.film());
+  const bool is_finished = stop.was_reached() || renderer.film().paths >= pixels * settings.samples;
   stop.is_reached(renderer.film(), renderer.film().paths);  // says the noise of what is written
   nlohmann::json statistics = render_statistics(device, scene, settings, renderer, times);
   if (options.noise_target) statistics["noise"] = stop.noise();
-  write_outputs(outputs, options, resolve(renderer.film()),
-                image_attributes(device, scene, settings, renderer), statistics);
+  const image::Image image =
+      write_image(outputs, options, settings, image_attributes(device, scene, settings, renderer), renderer,
+                  failure.has_value());
+  write_outputs(outputs, options, image, statistics);
   report(renderer, settings, outputs);
   if (options.noise_target && !options.is_quiet) print_noise(stop.noise(), *options.noise_target);
   if (failure)

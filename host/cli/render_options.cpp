@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "render/aov.hpp"
 
 namespace regulus::cli {
 
@@ -55,9 +56,24 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
                                                         {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
-const std::set<std::string> COMMAND_LINE_ONLY = {
-    "output",  "png",  "stats", "device",  "scene", "allow-external", "quiet",
-    "verbose", "help", "wave",  "backend", "env",   "env-rotation",   "env-scale"};
+const std::set<std::string> COMMAND_LINE_ONLY = {"output",
+                                                 "png",
+                                                 "stats",
+                                                 "device",
+                                                 "scene",
+                                                 "allow-external",
+                                                 "quiet",
+                                                 "verbose",
+                                                 "help",
+                                                 "wave",
+                                                 "backend",
+                                                 "env",
+                                                 "env-rotation",
+                                                 "env-scale",
+                                                 "samples",
+                                                 "checkpoint",
+                                                 "checkpoint-seconds",
+                                                 "resume"};
 
 glm::uvec2 parse_size(const std::string& text) {
   glm::uvec2 size{0};
@@ -72,6 +88,43 @@ glm::uvec2 parse_size(const std::string& text) {
                 fmt::format("--size {}: expected WIDTHxHEIGHT with sides from 1 to {}, such as 1280x720",
                             text, MAX_SIDE));
   return size;
+}
+
+/// `count` whole numbers with `separator` between them; none if the text is anything else.
+std::vector<uint32_t> parse_numbers(const std::string& text, char separator, size_t count) {
+  std::vector<uint32_t> numbers;
+  const char* at = text.data();
+  const char* const end = at + text.size();
+  while (numbers.size() < count) {
+    uint32_t number = 0;
+    const auto [after, error] = std::from_chars(at, end, number);
+    numbers.push_back(number);
+    const bool is_last = numbers.size() == count;
+    if (error != std::errc{} || (is_last ? after != end : after == end || *after != separator)) return {};
+    at = after + 1;
+  }
+  return numbers;
+}
+
+render::Window parse_crop(const std::string& text, const glm::uvec2& size) {
+  const std::vector<uint32_t> edges = parse_numbers(text, ',', 4);
+  if (edges.empty() || edges[0] >= edges[2] || edges[1] >= edges[3] || edges[2] > size.x || edges[3] > size.y)
+    throw Error(
+        ExitStatus::BadUsage,
+        fmt::format("--crop {}: expected x0,y0,x1,y1 with 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}, in "
+                    "pixels from the top left, x1 and y1 excluded",
+                    text, size.x, size.y));
+  return {edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
+}
+
+void parse_sample_range(const std::string& text, render::RenderSettings& settings) {
+  const std::vector<uint32_t> range = parse_numbers(text, ':', 2);
+  if (range.empty() || range[1] == 0 || uint64_t{range[0]} + range[1] > MAX_SAMPLES)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--samples {}: expected FIRST:COUNT, such as 64:32, of samples below {}", text,
+                            MAX_SAMPLES));
+  settings.first_sample = range[0];
+  settings.samples = range[1];
 }
 
 uint32_t find_camera(const std::string& wanted, const scene::Scene& scene) {
@@ -215,6 +268,10 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(CLI::Range(1u, MAX_SAMPLES))
       ->capture_default_str();
   command
+      .add_option("--samples", options.sample_range,
+                  "FIRST:COUNT: only these of the samples, with what `regulus merge` needs to join parts")
+      ->excludes("--spp");
+  command
       .add_option(
           "--time", options.time_limit,
           "Stop after this many seconds of rendering, but not before every pixel has a sample. Without "
@@ -227,6 +284,11 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "--spp on the command line as many samples as that takes")
       ->check(CLI::Range(0.0, 1e3));
   command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
+  command.add_option("--crop", options.crop,
+                     "x0,y0,x1,y1: only these pixels, from the top left, x1 and y1 excluded");
+  command.add_option(
+      "--aov", options.aovs,
+      "Extra channels, comma-separated: albedo, N, Ng, P, Z, material, instance, variance, samples");
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
   command.add_option(
@@ -272,6 +334,15 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--wave", settings.wave_paths,
                      "Paths in flight (default: chosen for the device; never changes the image)");
   command.add_option("--stats", options.stats, "JSON file with times, rays and memory");
+  command.add_option("--checkpoint", options.checkpoint,
+                     "File from which --resume can go on; itself an OpenEXR picture and a part for merge");
+  command
+      .add_option("--checkpoint-seconds", options.checkpoint_seconds,
+                  "Seconds between two states of the checkpoint")
+      ->check(CLI::Range(0.0, 1e9))
+      ->capture_default_str();
+  command.add_flag("--resume", options.is_resumed, "Go on from the checkpoint if there is one")
+      ->needs("--checkpoint");
   command.add_flag("--allow-external", options.allow_external,
                    "Let the scene refer to files outside its folder");
   command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
@@ -303,7 +374,8 @@ void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
 }
 
 void lift_sample_limit(const CLI::App& command, RenderOptions& options) {
-  if ((options.time_limit || options.noise_target) && command.get_option("--spp")->count() == 0)
+  if ((options.time_limit || options.noise_target) && command.get_option("--spp")->count() == 0 &&
+      options.sample_range.empty())
     options.has_no_sample_limit = true;
 }
 
@@ -316,6 +388,9 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
       options.size.empty() ? default_size(scene, settings.camera) : parse_size(options.size);
   settings.width = size.x;
   settings.height = size.y;
+  if (!options.crop.empty()) settings.crop = parse_crop(options.crop, size);
+  if (!options.sample_range.empty()) parse_sample_range(options.sample_range, settings);
+  settings.aovs = render::parse_aovs(options.aovs);
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
   if (settings.regularization != REGULARIZATION_NONE)

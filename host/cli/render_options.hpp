@@ -13,9 +13,15 @@ namespace regulus::cli {
 /// What the command line of `render` says, before the scene is known.
 struct RenderOptions {
   std::string scene_file;
-  std::string output;  ///< EXR; empty: the scene's name with .exr in the working folder
-  std::string png;     ///< empty: none
-  std::string stats;   ///< empty: none
+  std::string output;              ///< EXR; empty: the scene's name with .exr in the working folder
+  std::string png;                 ///< empty: none
+  std::string stats;               ///< empty: none
+  std::string checkpoint;          ///< file to resume from; empty: none
+  double checkpoint_seconds = 60;  ///< between two states of it
+  bool is_resumed = false;         ///< go on from the checkpoint if it exists
+  std::string sample_range;        ///< FIRST:COUNT; empty: --spp samples from 0 on
+  std::string crop;                ///< x0,y0,x1,y1; empty: the whole film
+  std::string aovs;                ///< comma-separated
   std::string size;    ///< WxH; empty: the scene's resolution, else 1280 wide at the camera's aspect
   std::string camera;  ///< index or name; empty: the first
   std::string integrator = "pt";

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/version.hpp"
+#include "render/aov.hpp"
 
 namespace regulus::cli {
 
@@ -37,9 +38,12 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
   nlohmann::json techniques = nlohmann::json::array();
   for (const auto& [name, bit] : TECHNIQUE_NAMES)
     if (settings.techniques & bit) techniques.push_back(name);
+  const render::Window window = settings.window();
   return {
       {"width", settings.width},
       {"height", settings.height},
+      {"crop", {window.x, window.y, window.x + window.width, window.y + window.height}},
+      {"aov", render::aov_names(settings.aovs)},
       {"camera", settings.camera},
       {"first_sample", settings.first_sample},
       {"samples", settings.samples},
@@ -130,7 +134,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
                                  const render::RenderSettings& settings, const render::Renderer& renderer,
                                  const LoadTimes& times) {
   const render::RenderStatistics& statistics = renderer.statistics();
-  const uint64_t pixels = uint64_t{settings.width} * settings.height;
+  const uint64_t pixels = settings.window().pixels();
   return {{"version", VERSION},
           {"commit", COMMIT},
           {"device", {{"name", device.info().name}, {"driver", device.info().driver}}},
@@ -148,8 +152,8 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"spp_done", statistics.paths / pixels},
           {"samples", statistics.paths},
           {"light_paths", statistics.light_paths},
-          {"samples_per_second",
-           static_cast<double>(statistics.paths) / std::max(statistics.render_seconds, 1e-9)},
+          {"samples_per_second", static_cast<double>(statistics.paths - statistics.resumed_paths) /
+                                     std::max(statistics.render_seconds, 1e-9)},
           {"non_finite", statistics.non_finite},
           {"traversal_overruns", statistics.traversal_overruns},
           {"wave_paths", statistics.wave_capacity},
@@ -173,7 +177,7 @@ image::Attributes image_attributes(const gpu::Device& device, const scene::Scene
                                    const render::RenderSettings& settings, const render::Renderer& renderer) {
   image::Attributes attributes = scene_attributes(scene, settings);
   attributes["regulus:samples_done"] =
-      std::to_string(renderer.statistics().paths / (uint64_t{settings.width} * settings.height));
+      std::to_string(renderer.statistics().paths / settings.window().pixels());
   attributes["regulus:device"] = device.info().name;
   attributes["regulus:driver"] = device.info().driver;
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", renderer.statistics().render_seconds);

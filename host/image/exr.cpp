@@ -50,13 +50,34 @@ void require_size(const fs::path& path, const std::string& channel, const size_t
                                               channel, found, wanted));
 }
 
-Imf::Header make_header(const Image& image, const Attributes& attributes, const Channels& channels) {
-  Imf::Header header(static_cast<int>(image.width), static_cast<int>(image.height));
+Imf::PixelType pixel_type(const Channel& channel) {
+  return std::holds_alternative<std::vector<float>>(channel) ? Imf::FLOAT : Imf::UINT;
+}
+
+size_t value_count(const Channel& channel) {
+  return std::visit([](const auto& values) { return values.size(); }, channel);
+}
+
+Imf::Slice channel_slice(const Channel& channel, const Imath::Box2i& window) {
+  return std::visit(
+      [&](const auto& values) { return Imf::Slice::Make(pixel_type(channel), values.data(), window); },
+      channel);
+}
+
+Imf::Header make_header(const Image& image, const Attributes& attributes, const Channels& channels,
+                        const Placement& placement) {
+  const Imath::V2i first(static_cast<int>(placement.x), static_cast<int>(placement.y));
+  const Imath::V2i size(static_cast<int>(image.width), static_cast<int>(image.height));
+  const Imath::V2i film(static_cast<int>(placement.film_width), static_cast<int>(placement.film_height));
+  const Imath::Box2i data(first, first + size - Imath::V2i(1));
+  const Imath::Box2i display(Imath::V2i(0), film - Imath::V2i(1));
+  Imf::Header header(placement.film_width != 0 ? display : data, data);
   header.compression() = Imf::ZIP_COMPRESSION;
   Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65
   for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
   for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
-  for (const auto& [name, values] : channels) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  for (const auto& [name, channel] : channels)
+    header.channels().insert(name, Imf::Channel(pixel_type(channel)));
   return header;
 }
 
@@ -65,14 +86,14 @@ Imf::Slice rgb_slice(const Image& image, const size_t component, const Imath::Bo
                           3 * sizeof(float) * image.width);
 }
 
-std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels) {
-  const Imf::Header header = make_header(image, attributes, channels);
+std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
+                       const Placement& placement) {
+  const Imf::Header header = make_header(image, attributes, channels, placement);
   const Imath::Box2i& window = header.dataWindow();
   Imf::FrameBuffer pixels;
   for (size_t component = 0; component < 3; ++component)
     pixels.insert(std::string(1, "RGB"[component]), rgb_slice(image, component, window));
-  for (const auto& [name, values] : channels)
-    pixels.insert(name, Imf::Slice::Make(Imf::FLOAT, values.data(), window));
+  for (const auto& [name, channel] : channels) pixels.insert(name, channel_slice(channel, window));
 
   Imf::StdOSStream stream;
   {
@@ -158,24 +179,37 @@ Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t fil
   return image;
 }
 
-}  // namespace
-
-void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,
-               const Channels& channels) {
-  const size_t pixel_count = size_t{image.width} * image.height;
-  require_size(path, "RGB", image.rgb.size(), 3 * pixel_count);
-  for (const auto& [name, values] : channels) require_size(path, name, values.size(), pixel_count);
-  std::string bytes;
-  try {
-    bytes = encode_exr(image, attributes, channels);
-  } catch (const std::exception& error) {
-    throw Error(ExitStatus::Failed,
-                fmt::format("{}: cannot be encoded as OpenEXR ({})", path.string(), one_line(error.what())));
+ExrContents read_all_channels(const fs::path& path, Imf::InputFile& file, const uint64_t file_bytes) {
+  const Imf::Header& header = file.header();
+  check_window(path, header, file_bytes);
+  const Imath::Box2i &window = header.dataWindow(), &display = header.displayWindow();
+  ExrContents contents;
+  contents.width = static_cast<uint32_t>(window.max.x - window.min.x + 1);
+  contents.height = static_cast<uint32_t>(window.max.y - window.min.y + 1);
+  if (window.min.x < 0 || window.min.y < 0 || display.min != Imath::V2i(0) || display.max.x < window.max.x ||
+      display.max.y < window.max.y || display.max.x >= MAX_EXTENT || display.max.y >= MAX_EXTENT)
+    fail_bad_file(path, "its data window is not within its display window, or that does not start at 0, 0");
+  contents.placement = {static_cast<uint32_t>(window.min.x), static_cast<uint32_t>(window.min.y),
+                        static_cast<uint32_t>(display.max.x + 1), static_cast<uint32_t>(display.max.y + 1)};
+  contents.attributes = string_attributes(header);
+  const size_t pixel_count = size_t{contents.width} * contents.height;
+  Imf::FrameBuffer pixels;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
+    if (c.channel().type == Imf::HALF || c.channel().xSampling != 1 || c.channel().ySampling != 1)
+      fail_bad_file(path, fmt::format("channel {} is not of 32 bits at full resolution", c.name()));
+    Channel& channel = contents.channels[c.name()];
+    if (c.channel().type == Imf::UINT) channel = std::vector<uint32_t>();
+    std::visit([&](auto& values) { values.resize(pixel_count); }, channel);
+    pixels.insert(c.name(), channel_slice(channel, window));
   }
-  write_file_atomically(path, bytes);
+  file.setFrameBuffer(pixels);
+  file.readPixels(window.min.y, window.max.y);
+  return contents;
 }
 
-Image read_exr(const fs::path& path, Attributes* attributes) {
+/// What `read` makes of an open file; its errors and the library's become those of the file.
+template <typename Read>
+auto open_and_read(const fs::path& path, const Read& read) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
   if (!fs::exists(status)) fail_bad_file(path, "no such file");
@@ -185,12 +219,41 @@ Image read_exr(const fs::path& path, Attributes* attributes) {
   try {
     limit_image_size();
     Imf::InputFile file(path.c_str());
-    return read_pixels(path, file, file_bytes, attributes);
+    return read(file, file_bytes);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {
     fail_bad_file(path, fmt::format("cannot be read as OpenEXR ({})", problem.what()));
   }
+}
+
+}  // namespace
+
+void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,
+               const Channels& channels, const Placement& placement) {
+  const size_t pixel_count = size_t{image.width} * image.height;
+  require_size(path, "RGB", image.rgb.size(), 3 * pixel_count);
+  for (const auto& [name, channel] : channels) require_size(path, name, value_count(channel), pixel_count);
+  std::string bytes;
+  try {
+    bytes = encode_exr(image, attributes, channels, placement);
+  } catch (const std::exception& error) {
+    throw Error(ExitStatus::Failed,
+                fmt::format("{}: cannot be encoded as OpenEXR ({})", path.string(), one_line(error.what())));
+  }
+  write_file_atomically(path, bytes);
+}
+
+Image read_exr(const fs::path& path, Attributes* attributes) {
+  return open_and_read(path, [&](Imf::InputFile& file, uint64_t file_bytes) {
+    return read_pixels(path, file, file_bytes, attributes);
+  });
+}
+
+ExrContents read_exr_contents(const fs::path& path) {
+  return open_and_read(path, [&](Imf::InputFile& file, uint64_t file_bytes) {
+    return read_all_channels(path, file, file_bytes);
+  });
 }
 
 Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes) {

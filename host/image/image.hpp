@@ -9,6 +9,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace regulus::image {
@@ -19,14 +20,33 @@ struct Image {
   std::vector<float> rgb;
 };
 
-/// Named extra channels (AOVs such as "albedo.R", "Z"), each width * height floats.
-using Channels = std::map<std::string, std::vector<float>>;
+/// Named extra channels (AOVs such as "albedo.R", "Z"), each width * height values.
+using Channel = std::variant<std::vector<float>, std::vector<uint32_t>>;
+using Channels = std::map<std::string, Channel>;
 /// String attributes of an EXR header, by full name ("regulus:seed").
 using Attributes = std::map<std::string, std::string>;
 
-/// Single part, float32, ZIP. @throws regulus::Error (Failed) naming the file if it cannot be written.
+/// The part of a film that an image shows: data window and display window of OpenEXR.
+struct Placement {
+  uint32_t x = 0, y = 0;                     ///< of the image's first pixel on the film
+  uint32_t film_width = 0, film_height = 0;  ///< 0: the image is the film
+};
+
+/// Single part, 32 bits, ZIP. @throws regulus::Error (Failed) naming the file if it cannot be written.
 void write_exr(const std::filesystem::path& path, const Image& image, const Attributes& attributes = {},
-               const Channels& channels = {});
+               const Channels& channels = {}, const Placement& placement = {});
+
+/// Everything that write_exr writes.
+struct ExrContents {
+  uint32_t width = 0, height = 0;
+  Placement placement;
+  Attributes attributes;  ///< those that are strings
+  Channels channels;      ///< R, G and B among them
+};
+
+/// Reads a file with channels of 32 bits at full resolution, as write_exr writes them. @throws regulus::Error
+/// (BadFile) naming the file.
+ExrContents read_exr_contents(const std::filesystem::path& path);
 
 /// Reads R, G, B of the first part (half or float, any compression; a single Y is copied to all three); the
 /// image is the data window. String attributes go to `attributes`. @throws regulus::Error (BadFile) naming

@@ -1,6 +1,8 @@
 #include "render/film.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "interface/wavefront.h"
 
@@ -17,12 +19,11 @@ double sum_at(const std::vector<uint32_t>& words, uint64_t pixel, uint64_t chann
 }  // namespace
 
 uint64_t Film::samples(uint64_t pixel) const {
-  const uint64_t pixels = uint64_t{width} * height;
-  return paths / pixels + (pixel < paths % pixels ? 1 : 0);
+  return paths / pixels() + (pixel < paths % pixels() ? 1 : 0);
 }
 
 image::Image resolve(const Film& film) {
-  const uint64_t pixels = uint64_t{film.width} * film.height;
+  const uint64_t pixels = film.pixels();
   const double iterations =
       static_cast<double>(film.light_paths) / static_cast<double>(film.light_paths_per_iteration);
   image::Image image{film.width, film.height, std::vector<float>(3 * pixels)};
@@ -35,6 +36,21 @@ image::Image resolve(const Film& film) {
         value += sum_at(film.splat_words, pixel, channel) / iterations;
       image.rgb[3 * pixel + channel] = static_cast<float>(value);
     }
+  }
+  return image;
+}
+
+image::Image resolve_variance(const Film& film) {
+  const uint64_t pixels = film.pixels();
+  const double samples = static_cast<double>(film.paths / pixels);
+  image::Image image{film.width, film.height,
+                     std::vector<float>(3 * pixels, std::numeric_limits<float>::infinity())};
+  if (samples < 2) return image;
+  for (uint64_t i = 0; i < 3 * pixels; ++i) {
+    const double sum = sum_at(film.earlier_words, i / 3, i % 3);
+    const double squares = sum_at(film.square_words, i / 3, i % 3);
+    const double spread = std::max(squares - sum * sum / samples, 0.0);
+    image.rgb[i] = static_cast<float>(spread / (samples * (samples - 1)));
   }
   return image;
 }

@@ -20,11 +20,22 @@ struct Film {
   uint64_t light_paths = 0;                ///< light paths in splat_words
   uint64_t light_paths_per_iteration = 1;  ///< by which each splat was divided
 
+  /// With AOV_VARIANCE: `words` and `splat_words` together as they were after the last whole sample of every
+  /// pixel, and the sums of the squares of whole samples; otherwise empty.
+  std::vector<uint32_t> earlier_words{}, square_words{};
+
+  uint64_t pixels() const { return uint64_t{width} * height; }
+
   /// Complete samples of pixel `pixel` (y * width + x).
   uint64_t samples(uint64_t pixel) const;
 };
 
 /// The mean of the samples of each pixel, 0 where a pixel has none, and the mean of the splats.
 image::Image resolve(const Film& film);
+
+/// The variance of each value of the image as the mean of the whole samples, estimated from their spread;
+/// infinite where there are fewer than two. Unbiased for independent samples (--sampler hash), from above for
+/// scrambled Sobol points, whose errors make up for each other. Precondition: film.square_words is not empty.
+image::Image resolve_variance(const Film& film);
 
 }  // namespace regulus::render

@@ -27,6 +27,8 @@ constexpr uint32_t SOFTWARE_WAVE_PATHS = 1u << 16, HARDWARE_WAVE_PATHS = 1u << 2
 // Waves handed to the device ahead of time, so that it never waits for the host.
 constexpr size_t WAVES_IN_FLIGHT = 2;
 constexpr double SNAPSHOT_SECONDS = 5;
+// Each sends AOV_RAYS rays and one more.
+constexpr uint32_t SURFACE_WAVE_PIXELS = 1u << 14;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -78,6 +80,7 @@ struct Renderer::Impl {
   };
   std::deque<Wave> in_flight;
   uint64_t finished = 0, finished_light = 0;  // paths
+  uint64_t squared = 0;                       // paths whose samples are in film_squares
   uint32_t wave_paths = 0;                    // of the next wave
   Clock::time_point last_wave, last_snapshot;
   const ProgressCallback* progress = nullptr;
@@ -87,7 +90,7 @@ struct Renderer::Impl {
        const RenderSettings& settings_in)
       : device(device_in),
         settings(render::resolve_settings(scene_in, settings_in)),
-        pixels(uint64_t{settings.width} * settings.height),
+        pixels(settings.window().pixels()),
         total_paths(pixels * settings.samples),
         scene(device, scene_in, bvh),
         path_bytes(bytes_per_path(settings, scene.has_environment())),
@@ -105,11 +108,13 @@ struct Renderer::Impl {
     };
     has_light_pass = has_pass(Pass::Light);
     has_camera_pass = has_pass(Pass::Camera);
-    film.width = settings.width;
-    film.height = settings.height;
+    film.width = settings.window().width;
+    film.height = settings.window().height;
     film.words.resize(pixels * FILM_WORDS_PER_PIXEL);
     film.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
     film.light_paths_per_iteration = settings.light_paths;
+    film.earlier_words.resize(buffers.film_earlier.size() / sizeof(uint32_t));
+    film.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
     statistics.wave_capacity = capacity;
     statistics.bytes_per_path = path_bytes;
     wave_paths = settings.wave_paths != 0 ? capacity : std::min(capacity, FIRST_WAVE_PATHS);
@@ -175,6 +180,11 @@ struct Renderer::Impl {
       if (wave_ms > LONG_WAVE_MS) wave_paths = std::max(WORKGROUP_SIZE, wave_paths / 2);
     }
     is_running = (*progress)(finished, total_paths) && is_running;
+    // A sample that is still to be squared makes no state to go on from.
+    if (buffers.film_squares.size() == 0 || finished % pixels != 0) take_snapshot_if_due();
+  }
+
+  void take_snapshot_if_due() {
     const bool has_doubled = settings.keeps_doublings && finished >= std::max(pixels, 2 * film.paths);
     if (has_doubled || seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
       take_snapshot();
@@ -182,14 +192,14 @@ struct Renderer::Impl {
     }
   }
 
-  // Hands out waves over [0, count) paths until all are done or the render is to stop: `record` fills the
+  // Hands out waves over [begin, end) paths until all are done or the render is to stop: `record` fills the
   // command list of the wave [first, first + paths) and says how many camera and light paths it holds.
   template <typename Record>
-  void run_waves(uint64_t count, const Record& record) {
-    uint64_t submitted = 0;
-    while (is_running && (submitted < count || !in_flight.empty())) {
-      while (in_flight.size() < WAVES_IN_FLIGHT && submitted < count) {
-        const auto paths = static_cast<uint32_t>(std::min<uint64_t>(wave_paths, count - submitted));
+  void run_waves(uint64_t begin, uint64_t end, const Record& record) {
+    uint64_t submitted = begin;
+    while (is_running && (submitted < end || !in_flight.empty())) {
+      while (in_flight.size() < WAVES_IN_FLIGHT && submitted < end) {
+        const auto paths = static_cast<uint32_t>(std::min<uint64_t>(wave_paths, end - submitted));
         gpu::CommandList commands(device);
         const auto [camera_paths, light_paths] = record(commands, submitted, paths);
         submit(std::move(commands), camera_paths, light_paths);
@@ -207,9 +217,17 @@ struct Renderer::Impl {
   };
 
   // Every wave is complete in itself: light paths, if any, then the camera paths that connect to them. Waves
-  // run over pixels and samples alike.
+  // run over pixels and samples alike, but stop at every sample if its square is wanted.
   void render_by_waves() {
-    run_waves(total_paths, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+    const bool has_variance = buffers.film_squares.size() != 0;
+    while (is_running && finished < total_paths) {
+      run_paths(finished, has_variance ? (finished / pixels + 1) * pixels : total_paths);
+      end_sample();
+    }
+  }
+
+  void run_paths(uint64_t begin, uint64_t end) {
+    run_waves(begin, end, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
       const StageArguments arguments = arguments_of(first % pixels, first / pixels, paths);
       if (has_light_pass) {
         commands.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
@@ -223,41 +241,61 @@ struct Renderer::Impl {
   // All light paths of an iteration, then one sample of every pixel.
   void render_by_iterations() {
     if (buffers.light_path_ends.size() != 0) expect_light_vertices();
-    for (uint64_t sample = 0; is_running && sample < settings.samples; ++sample) {
-      walk_light_paths(sample, false);
+    for (uint64_t sample = finished / pixels; is_running && sample < settings.samples; ++sample) {
+      // A resumed render may have walked some of this iteration's light paths.
+      const uint64_t before = sample * settings.light_paths;
+      walk_light_paths(sample, std::clamp(finished_light, before, before + settings.light_paths) - before);
       if (!is_running) break;
       if (plan.has_vertices) make_light_vertices_fit(sample);
       const uint32_t merge_rounds = sort_light_vertices(sample);
       if (has_camera_pass) {
-        run_waves(pixels, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+        run_waves(finished % pixels, pixels, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
           record_pass(commands, Pass::Camera, arguments_of(first, sample, paths), merge_rounds);
           return WavePaths{paths, 0};
         });
       } else {
         finished += pixels;
       }
+      end_sample();
     }
+  }
+
+  // Squares the sample that has just been completed, if that is wanted.
+  void end_sample() {
+    if (buffers.film_squares.size() == 0 || finished % pixels != 0 || finished == squared) return;
+    gpu::CommandList commands(device);
+    record_step(commands, pipeline, "square_samples", arguments_of(0, 0, 0), pixels);
+    submit(std::move(commands), 0, 0);
+    finish_all_waves();
+    squared = finished;
+    take_snapshot_if_due();
   }
 
   // How many light vertices an iteration has, as the very first one counts them: the same for every range of
   // samples.
   void expect_light_vertices() {
     const uint32_t first_sample = std::exchange(settings.first_sample, 0);
-    walk_light_paths(0, true);
+    walk_light_paths(0, settings.light_paths);
     settings.first_sample = first_sample;
     buffers.expect_light_vertices(device, read_light_word(0));
   }
 
-  void walk_light_paths(uint64_t sample, bool is_repeated) {
+  // Walks all light paths of an iteration. The first `repeated` of them are on the film already and only
+  // leave vertices.
+  void walk_light_paths(uint64_t sample, uint64_t repeated) {
     gpu::CommandList clear(device);
     clear.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
     submit(std::move(clear), 0, 0);
-    run_waves(settings.light_paths, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
-      StageArguments arguments = arguments_of(first, sample, paths);
-      arguments.round = is_repeated ? 1 : 0;
-      record_pass(commands, Pass::Light, arguments);
-      return WavePaths{0, is_repeated ? 0 : paths};
-    });
+    const auto walk = [&](uint64_t begin, uint64_t end, bool is_repeated) {
+      run_waves(begin, end, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+        StageArguments arguments = arguments_of(first, sample, paths);
+        arguments.round = is_repeated ? 1 : 0;
+        record_pass(commands, Pass::Light, arguments);
+        return WavePaths{0, is_repeated ? 0 : paths};
+      });
+    };
+    walk(0, repeated, true);
+    walk(repeated, settings.light_paths, false);
   }
 
   uint32_t read_light_word(uint64_t index) {
@@ -271,7 +309,7 @@ struct Renderer::Impl {
     const uint64_t counted = read_light_word(0);
     if (counted <= buffers.light_vertex_capacity()) return;
     buffers.grow_light_vertices(device, counted + counted / 4);
-    walk_light_paths(sample, true);
+    walk_light_paths(sample, settings.light_paths);
   }
 
   // Makes the light vertices findable by place and by number; returns the rounds that merging takes.
@@ -306,8 +344,12 @@ struct Renderer::Impl {
     auto sums = gpu::download_all<uint32_t>(device, buffers.film, film.words.size());
     auto splats = gpu::download_all<uint32_t>(device, buffers.splat_film, film.splat_words.size());
     const auto words = gpu::download_all<uint32_t>(device, buffers.counters, 2 * COUNTER_COUNT);
+    auto earlier = gpu::download_all<uint32_t>(device, buffers.film_earlier, film.earlier_words.size());
+    auto squares = gpu::download_all<uint32_t>(device, buffers.film_squares, film.square_words.size());
     film.words.swap(sums);
     film.splat_words.swap(splats);
+    film.earlier_words.swap(earlier);
+    film.square_words.swap(squares);
     film.paths = finished;
     film.light_paths = finished_light;
     const auto counter = [&](uint32_t index) {
@@ -323,6 +365,32 @@ struct Renderer::Impl {
       statistics.light_items[queue] =
           counter(COUNTER_QUEUE_ITEMS + COUNTED_LIGHT_PASS * QUEUES_PER_BOUNCE + queue);
     }
+  }
+
+  void resume(const Film& earlier) {
+    const auto restore = [&](const gpu::Buffer& buffer, const std::vector<uint32_t>& words) {
+      if (!words.empty()) device.upload(buffer, 0, gpu::bytes_of(words));
+    };
+    restore(buffers.film, earlier.words);
+    restore(buffers.splat_film, earlier.splat_words);
+    restore(buffers.film_earlier, earlier.earlier_words);
+    restore(buffers.film_squares, earlier.square_words);
+    film = earlier;
+    finished = statistics.paths = statistics.resumed_paths = earlier.paths;
+    finished_light = statistics.light_paths = earlier.light_paths;
+    squared = finished / pixels * pixels;
+  }
+
+  std::vector<AovPixel> surface_aovs() {
+    const uint64_t count = buffers.aovs.size() / sizeof(AovPixel);
+    for (uint64_t first = 0; first < count; first += SURFACE_WAVE_PIXELS) {
+      gpu::CommandList commands(device);
+      record_step(commands, pipeline, "surface_aovs", arguments_of(first, 0, 0),
+                  std::min<uint64_t>(SURFACE_WAVE_PIXELS, count - first));
+      submit(std::move(commands), 0, 0);
+    }
+    finish_all_waves();
+    return gpu::download_all<AovPixel>(device, buffers.aovs, count);
   }
 
   void render(const ProgressCallback& progress_in) {
@@ -345,6 +413,12 @@ Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bv
     : impl_(std::make_unique<Impl>(device, scene, bvh, settings)) {}
 Renderer::~Renderer() = default;
 
+void Renderer::resume(const Film& film) {
+  impl_->resume(film);
+}
+std::vector<AovPixel> Renderer::surface_aovs() {
+  return impl_->surface_aovs();
+}
 void Renderer::render(const ProgressCallback& progress) {
   impl_->render(progress);
 }

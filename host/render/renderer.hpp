@@ -32,6 +32,7 @@ struct RenderStatistics {
   uint64_t traversal_overruns = 0;           ///< rays whose traversal hit its step bound: bugs
   uint32_t wave_capacity = 0;                ///< path slots
   uint64_t bytes_per_path = 0;               ///< device memory per path in flight
+  uint64_t resumed_paths = 0;                ///< of `paths`, those that Renderer::resume() brought along
   double render_seconds = 0;                 ///< wall time in render()
   double device_seconds = 0;                 ///< sum over stages
 
@@ -62,6 +63,13 @@ class Renderer {
   Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
            const RenderSettings& settings);
   ~Renderer();
+
+  /// Goes on where an earlier render of the same scene and settings stopped: render() then does what is left.
+  /// Precondition: `film` was film() of a renderer with the same window, AOVs and effective techniques.
+  void resume(const Film& film);
+
+  /// What camera rays meet first, by pixel; empty unless a bit of SURFACE_AOVS is set. Not part of render().
+  std::vector<interface::AovPixel> surface_aovs();
 
   /// Renders until all samples are done or `progress` returns false. If the device is lost the error is
   /// thrown, and film() holds the last snapshot (at most a few seconds old).

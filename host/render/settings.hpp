@@ -19,8 +19,24 @@ inline constexpr float DEFAULT_TAU = 100;
 inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
     interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
 
+/// A rectangle of pixels.
+struct Window {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+  uint64_t pixels() const { return uint64_t{width} * height; }
+  bool operator==(const Window&) const = default;
+};
+
+/// Extra channels of an image, see README.md. Bits of RenderSettings::aovs.
+inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_NORMAL = 4, AOV_POSITION = 8,
+                          AOV_DEPTH = 16, AOV_MATERIAL = 32, AOV_INSTANCE = 64, AOV_VARIANCE = 128,
+                          AOV_SAMPLES = 256;
+/// Those that say what camera rays meet first.
+inline constexpr uint32_t SURFACE_AOVS = AOV_ALBEDO | AOV_SHADING_NORMAL | AOV_GEOMETRIC_NORMAL |
+                                         AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE;
+
 struct RenderSettings {
   uint32_t width = 0, height = 0;  ///< film, pixels
+  Window crop{};                   ///< pixels that are rendered; without pixels: the whole film
   uint32_t camera = 0;             ///< index into Scene::cameras
   uint32_t first_sample = 0;       ///< sample range [first_sample, first_sample + samples) of every pixel
   uint32_t samples = 16;           ///< per pixel
@@ -44,10 +60,15 @@ struct RenderSettings {
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   uint32_t filter = interface::FILTER_BLACKMAN_HARRIS;
-  float filter_radius = 1.5f;    ///< pixels; box: half the pixel is 0.5
-  float filter_sigma = 0.5f;     ///< pixels, Gaussian
+  float filter_radius = 1.5f;  ///< pixels; box: half the pixel is 0.5
+  float filter_sigma = 0.5f;   ///< pixels, Gaussian
+  uint32_t aovs = 0;           ///< AOV_* bits
+  bool has_energy_compensation = false;
   bool keeps_doublings = false;  ///< film() is brought up to date whenever the number of paths has doubled
   uint32_t wave_paths = 0;       ///< path slots per wave; 0: chosen for the device. Never changes the image
+
+  /// The pixels that are rendered.
+  Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }
 };
 
 }  // namespace regulus::render

@@ -36,9 +36,11 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
 }
 
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {
-  if ((settings.techniques & step.techniques) == 0) return false;
+  if (step.techniques != ANY_TECHNIQUE && (settings.techniques & step.techniques) == 0) return false;
   if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
   if (step.needs == Needs::Environment && (features.bits & FEATURE_ENVIRONMENT) == 0) return false;
+  if (step.needs == Needs::Variance && (settings.aovs & AOV_VARIANCE) == 0) return false;
+  if (step.needs == Needs::SurfaceAovs && (settings.aovs & SURFACE_AOVS) == 0) return false;
   return step.material_class == ANY_CLASS || (features.material_classes >> step.material_class & 1) != 0;
 }
 
@@ -47,22 +49,28 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
   std::vector<PipelineStep> pipeline;
   for (const StageStep& step : STAGES) {
     if (step.extent == Extent::Scan || !is_needed(step, features, settings)) continue;
-    const uint32_t material_class = step.material_class == ANY_CLASS ? 0 : step.material_class;
-    gpu::KernelDescription description{step.name,
-                                       stage_spirv(device, step.shader),
-                                       {{SPEC_NDF, settings.ndf},
-                                        {SPEC_SHADOWING, settings.shadowing},
-                                        {SPEC_MATERIAL_CLASS, material_class},
-                                        {SPEC_FEATURES, features.bits},
-                                        {SPEC_TECHNIQUES, settings.techniques},
-                                        {SPEC_REGULARIZATION, settings.regularization},
-                                        {SPEC_BOUND, settings.bound},
-                                        {SPEC_MIS, settings.mis},
-                                        {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
-                                        {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
-                                        {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
-                                        {SPEC_FILTER, settings.filter},
-                                        {SPEC_SAMPLER, settings.sampler}}};
+    // What shades whatever it meets needs the most general class.
+    const uint32_t material_class = step.needs == Needs::SurfaceAovs   ? MATERIAL_CLASS_TRANSMISSIVE
+                                    : step.material_class == ANY_CLASS ? 0
+                                                                       : step.material_class;
+    gpu::KernelDescription description{
+        step.name,
+        stage_spirv(device, step.shader),
+        {{SPEC_NDF, settings.ndf},
+         {SPEC_SHADOWING, settings.shadowing},
+         {SPEC_MATERIAL_CLASS, material_class},
+         {SPEC_FEATURES, features.bits},
+         {SPEC_TECHNIQUES, settings.techniques},
+         {SPEC_REGULARIZATION, settings.regularization},
+         {SPEC_BOUND, settings.bound},
+         {SPEC_MIS, settings.mis},
+         {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
+         {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
+         {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
+         {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
+         {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
+         {SPEC_FILTER, settings.filter},
+         {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});
   }
   return pipeline;
@@ -108,7 +116,7 @@ void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pi
   constexpr uint64_t MOST = uint64_t{65535} * WORKGROUP_SIZE;  // groups per dispatch, Vulkan's minimum
   for (uint64_t first = 0; first < items; first += MOST) {
     StageArguments own = arguments;
-    own.first_pixel = static_cast<uint32_t>(first);
+    own.first_pixel += static_cast<uint32_t>(first);
     if (first > 0) commands.independent();
     commands.dispatch(entry->kernel, gpu::bytes_of(own), groups_of(std::min(MOST, items - first)));
   }

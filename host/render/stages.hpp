@@ -15,10 +15,12 @@ namespace regulus::render {
 
 /// A pass runs its stages over one wave of paths, or once over all light vertices of an iteration.
 enum class Pass {
-  Light,   ///< a wave of light paths
-  Cache,   ///< makes the iteration's light vertices countable path by path, for connections to the cache
-  Grid,    ///< sorts them into the merge grid
-  Camera,  ///< a wave of camera paths
+  Light,    ///< a wave of light paths
+  Cache,    ///< makes the iteration's light vertices countable path by path, for connections to the cache
+  Grid,     ///< sorts them into the merge grid
+  Camera,   ///< a wave of camera paths
+  Sample,   ///< after a sample of every pixel
+  Surface,  ///< once per render: what camera rays meet first
 };
 
 /// How often a stage runs in its pass, and over what.
@@ -29,11 +31,12 @@ enum class Extent {
   Once,           ///< one workgroup, after everything else
   LightPaths,     ///< over the light paths of the iteration
   LightVertices,  ///< over the light vertices of the iteration
+  Pixels,         ///< over the pixels that are rendered
   Scan,           ///< a scan of what the stage before it wrote (render/scan.hpp)
 };
 
 /// When a step is needed at all, beside its technique.
-enum class Needs { Nothing, CacheConnections, Environment };
+enum class Needs { Nothing, CacheConnections, Environment, Variance, SurfaceAovs };
 
 /// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
 /// queues and need no order between them.
@@ -44,11 +47,12 @@ struct StageStep {
   Extent extent;
   uint32_t queue;           ///< QUEUE_*, for Extent::Bounce
   uint32_t material_class;  ///< MATERIAL_CLASS_*; ANY_CLASS: the stage does not depend on it
-  uint32_t techniques;      ///< runs only if one of these TECHNIQUE_* is enabled
+  uint32_t techniques;      ///< runs only if one of these TECHNIQUE_* is enabled; ANY_TECHNIQUE: whatever is
   Needs needs = Needs::Nothing;
 };
 
 inline constexpr uint32_t ANY_CLASS = interface::INVALID_INDEX;
+inline constexpr uint32_t ANY_TECHNIQUE = 0;
 
 namespace detail {
 using namespace interface;
@@ -89,6 +93,10 @@ inline constexpr std::array STAGES = {
     StageStep{Pass::Camera, "merge",             "merge.transmissive",          Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
     StageStep{Pass::Camera, "accumulate",        "accumulate",                  Extent::WaveEnd,       0,                           ANY_CLASS,    CAMERA},
     StageStep{Pass::Camera, "count_work",        "count_work",                  Extent::Once,          0,                           ANY_CLASS,    CAMERA},
+
+    StageStep{Pass::Sample, "square_samples",    "square_samples",              Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::Variance},
+
+    StageStep{Pass::Surface, "surface_aovs",     "surface_aovs",                Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::SurfaceAovs},
 };
 // clang-format on
 }  // namespace detail
@@ -126,8 +134,8 @@ struct WaveCommands {
 void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, Pass pass,
                  const WaveCommands& wave);
 
-/// Records the step named `name`, if it was built, over `items` items: arguments.first_pixel becomes the
-/// first item of each dispatch.
+/// Records the step named `name`, if it was built, over `items` items from arguments.first_pixel on, which
+/// becomes the first item of each dispatch.
 void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, std::string_view name,
                  const interface::StageArguments& arguments, uint64_t items);
 

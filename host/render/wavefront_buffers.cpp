@@ -58,7 +58,7 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
                        (settings.sampler_quality != SAMPLER_QUALITY_OFF ||
                         (settings.regularization & REGULARIZATION_BOTH) != 0);
   plan.is_per_wave = !has(settings, LIGHT_SUBPATH_TECHNIQUES) ||
-                     (is_paired && !plan.has_merges &&
+                     (is_paired && !plan.has_merges && settings.crop.pixels() == 0 &&
                       !(has(settings, TECHNIQUE_CONNECT) && settings.cache_connections != 0));
   return plan;
 }
@@ -88,6 +88,8 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   scene.fill(frame_);
   frame_.width = settings.width;
   frame_.height = settings.height;
+  const Window window = settings.window();
+  frame_.crop = {window.x, window.y, window.width, window.height};
   frame_.seed = settings.seed;
   frame_.max_depth = settings.max_depth;
   frame_.wave_capacity = capacity;
@@ -138,14 +140,22 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   const std::vector<QueueHead> heads((uint64_t{settings.max_depth} + 1) * QUEUES_PER_BOUNCE, {0, 1, 1, 0});
   empty_heads = gpu::upload_new(device, heads, "empty queue heads");
   queue_heads = gpu::upload_new(device, heads, "queue heads");
-  const uint64_t film_bytes =
-      uint64_t{settings.width} * settings.height * FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
+  const uint64_t pixels = settings.window().pixels();
+  const uint64_t film_bytes = pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
   film = device.create_buffer(film_bytes, "film");
   if (has(settings, TECHNIQUE_SPLAT)) splat_film = device.create_buffer(film_bytes, "splat film");
+  if ((settings.aovs & AOV_VARIANCE) != 0) {
+    film_earlier = device.create_buffer(film_bytes, "earlier film");
+    film_squares = device.create_buffer(film_bytes, "film of squares");
+  }
+  if ((settings.aovs & SURFACE_AOVS) != 0) aovs = device.create_buffer(pixels * sizeof(AovPixel), "aovs");
   counters = device.create_buffer(COUNTER_COUNT * 2 * sizeof(uint32_t), "counters");
   frame_.queue_heads = address(queue_heads);
   frame_.film = address(film);
   frame_.splat_film = address(splat_film);
+  frame_.film_earlier = address(film_earlier);
+  frame_.film_squares = address(film_squares);
+  frame_.aovs = address(aovs);
   frame_.counters = address(counters);
 }
 

@@ -12,7 +12,7 @@
 namespace regulus::render {
 
 /// Where a renderer gets light vertices from: each wave has its own (`is_per_wave`), or all light paths of an
-/// iteration are walked before its camera paths.
+/// iteration are walked before its camera paths (always for a crop, which all light paths concern).
 struct LightVertexPlan {
   bool is_per_wave = true;
   bool has_vertices = false;  ///< connections or merges are enabled
@@ -47,7 +47,7 @@ class WavefrontBuffers {
     return interface::device_address(frame_buffer_.address());
   }
 
-  gpu::Buffer queue_heads, empty_heads, film, splat_film, counters;
+  gpu::Buffer queue_heads, empty_heads, film, splat_film, film_earlier, film_squares, aovs, counters;
   gpu::Buffer light_vertex_count;  ///< two words: vertices, size of the most crowded cell if that is crowded
   gpu::Buffer light_path_ends, grid_cells;
 

@@ -32,6 +32,8 @@ class Files {
 
   /// FNV-1a (64 bit) of all bytes read so far, in the order of reading.
   uint64_t hash() const { return hash_; }
+  /// Adds what else decides about the scene to the hash.
+  void add_text_to_hash(const std::string& text) { add_to_hash(Bytes(text.begin(), text.end())); }
 
   const std::filesystem::path& scene_file() const { return scene_file_; }
 

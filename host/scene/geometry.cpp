@@ -26,6 +26,7 @@ struct Instance {
   size_t mesh;
   size_t primitive;
   glm::dmat4 to_world;
+  uint32_t place;  ///< of its mesh, see interface::Triangle
 };
 
 /// What was seen while flattening, reported in one warning each.
@@ -314,7 +315,7 @@ class PrimitiveBuilder {
   }
 
   void add_triangle(const glm::uvec3& corner) {
-    scene_.triangles.push_back({corner.x, corner.y, corner.z, material_, INVALID_INDEX, 0u});
+    scene_.triangles.push_back({corner.x, corner.y, corner.z, material_, INVALID_INDEX, instance_.place});
   }
 
   Document& document_;
@@ -348,12 +349,13 @@ void complete_colors(Scene& scene) {
 std::vector<Instance> find_instances(Document& document, const std::vector<PlacedNode>& nodes) {
   std::vector<Instance> instances;
   uint64_t skipped = 0;
-  for (const PlacedNode& placed : nodes) {
+  for (uint32_t place = 0; place < nodes.size(); ++place) {
+    const PlacedNode& placed = nodes[place];
     const size_t mesh_index = static_cast<size_t>(document.model.nodes[placed.node].mesh);
     const auto& primitives = document.model.meshes[mesh_index].primitives;
     for (size_t i = 0; i < primitives.size(); ++i) {
       if (is_triangle_mode(primitives[i].mode) && primitives[i].attributes.count("POSITION") != 0)
-        instances.push_back({mesh_index, i, placed.to_world});
+        instances.push_back({mesh_index, i, placed.to_world, place});
       else
         ++skipped;
     }

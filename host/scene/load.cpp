@@ -84,6 +84,15 @@ Inventory take_inventory(const Document& document, const std::vector<PlacedNode>
   return inventory;
 }
 
+/// The options that make another scene of the same files.
+std::string describe(const LoadOptions& options) {
+  std::string text;
+  if (options.scene) text += fmt::format("scene {} ", *options.scene);
+  if (options.environment.rotation) text += fmt::format("rotation {} ", *options.environment.rotation);
+  if (options.environment.scale) text += fmt::format("scale {} ", *options.environment.scale);
+  return text;
+}
+
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
   Document document = open_document(path, options.allow_external);
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
@@ -106,6 +115,7 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   scene.environment = read_environment(
       document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
   scene.warnings = document.warnings;
+  document.files.add_text_to_hash(describe(options));
   scene.hash = document.files.hash();
   return scene;
 }

@@ -58,7 +58,7 @@ struct Scene {
   std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value
   std::vector<std::string> warnings;            ///< one line each
   Inventory inventory;
-  uint64_t hash = 0;  ///< of the file's bytes and everything it refers to
+  uint64_t hash = 0;  ///< of the file's bytes, everything it refers to, and the LoadOptions that change it
 };
 
 /// What a command line says of the environment; it wins over the scene.

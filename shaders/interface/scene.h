@@ -23,7 +23,7 @@ struct Triangle {
   uint v0, v1, v2;
   uint material;
   uint light;  // index into the lights, or INVALID_INDEX if it does not emit
-  uint reserved;
+  uint instance;  // place of a mesh in the scene, counted from 0 in the order of its nodes
 };
 REGULUS_LAYOUT(Triangle, 24);
 

@@ -25,6 +25,8 @@ REGULUS_CONSTANT SPEC_MIS = 10u;             // MIS_*
 REGULUS_CONSTANT SPEC_WALK = 11u;            // WALK_*: whose paths the stage moves
 REGULUS_CONSTANT SPEC_SAMPLER_QUALITY = 12u; // SAMPLER_QUALITY_*
 REGULUS_CONSTANT SPEC_CLAMP = 13u;           // 1: no contribution exceeds Frame.largest_contribution
+REGULUS_CONSTANT SPEC_CROP = 14u;            // 1: only the pixels of Frame.crop are rendered
+REGULUS_CONSTANT SPEC_ENERGY_COMPENSATION = 15u;  // 1: microfacet lobes lose no light, see lib/energy.glsl
 
 REGULUS_CONSTANT WALK_CAMERA = 0u;
 REGULUS_CONSTANT WALK_LIGHT = 1u;
@@ -108,7 +110,7 @@ struct Path {
   vec3 origin;
   float mis_a;       // see lib/mis.glsl: what MIS keeps of the walk, before the distance of the ray is known
   vec3 direction;    // unit
-  uint pixel;        // camera path: film index, y * width + x, and PATH_DIFFUSED; light path: its index in the iteration
+  uint pixel;        // camera path: y * width + x on the whole film, and PATH_DIFFUSED; light path: its index in the iteration
   vec3 throughput;
   uint sample_index; // of the pixel; light path: the iteration, which is the same number
   float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
@@ -173,7 +175,7 @@ struct VisibilityCandidate {
   vec3 origin;
   float t_max;
   vec3 direction;  // unit
-  uint path;       // slot whose radiance receives it; with connections the pixel
+  uint path;       // slot whose radiance receives it; with connections the index in the film
   vec3 contribution;
 };
 REGULUS_LAYOUT(VisibilityCandidate, 44);
@@ -217,6 +219,22 @@ REGULUS_CONSTANT QUEUES_PER_BOUNCE = 10u;
 // Film: per pixel three channels of three words, a fixed-point sum in units of 2^-FILM_FRACTION_BITS.
 REGULUS_CONSTANT FILM_WORDS_PER_PIXEL = 9u;
 REGULUS_CONSTANT FILM_FRACTION_BITS = 40u;
+
+// What camera rays meet first. Albedo and normals are means over AOV_RAYS rays as the
+// first samples of the pixel send them, black where they meet nothing; the rest is what the ray from the middle of the
+// lens through the middle of the pixel meets. Normals are unit before the mean and on the side of the camera.
+struct AovPixel {
+  vec3 albedo;
+  float depth;    // m along the camera's axis; infinite if the ray meets nothing
+  vec3 shading_normal;
+  uint material;  // index, or INVALID_INDEX
+  vec3 geometric_normal;
+  uint instance;  // Triangle.instance, or INVALID_INDEX
+  vec3 position;  // world space; 0 if the ray meets nothing
+  uint reserved;
+};
+REGULUS_LAYOUT(AovPixel, 64);
+REGULUS_CONSTANT AOV_RAYS = 16u;
 
 // Addresses and parameters of a render. Read through the push constant `frame`.
 struct Frame {
@@ -265,7 +283,13 @@ struct Frame {
   DeviceAddress light_vertex_histories;  // per light vertex
   DeviceAddress path_footprints;         // vec3 per path slot (lib/footprint.glsl); only with path diffusion, without
                                          // light subpaths
+  // Only if they are asked for.
+  DeviceAddress aovs;           // AovPixel per pixel
+  DeviceAddress film_earlier;   // `film` and `splat_film` together, as they were after the last whole sample
+  DeviceAddress film_squares;   // as `film`, sums of the squares of whole samples
+  DeviceAddress energy_tables;  // see lib/energy.glsl
   uint width, height;
+  uvec4 crop;           // pixels that are rendered and that the films hold: x, y of the first, width, height
   uint light_count;
   uint seed;
   uint max_depth;       // path edges
@@ -288,14 +312,14 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint reserved;
 };
-REGULUS_LAYOUT(Frame, 504);
+REGULUS_LAYOUT(Frame, 552);
 
 // Push constants of every stage.
 struct StageArguments {
   DeviceAddress frame;
   uint bounce;
   uint wave_paths;     // paths of this wave
-  uint first_pixel;    // film index, or light path, of the wave's first path
+  uint first_pixel;    // film index (within the crop), or light path, of the wave's first path
   uint first_sample;   // and its sample index
   float merge_radius;  // m, of this iteration
   uint round;          // merge: which share of the light vertices in reach this dispatch takes; light walks: 1 if

@@ -34,6 +34,7 @@ REGULUS_BUFFER(PathHistoryBuffer, PathHistory);
 REGULUS_BUFFER(LightHeadBuffer, LightPathHead);
 REGULUS_BUFFER(ConnectionPairBuffer, ConnectionPair);
 REGULUS_BUFFER(GridEntryBuffer, GridEntry);
+REGULUS_BUFFER(AovPixelBuffer, AovPixel);
 
 // Record `index` of the array of `type` (one of the buffer types above) at `address`.
 #define LOAD(type, address, index) (type(address).items[index])

@@ -2,6 +2,7 @@
 #ifndef REGULUS_LIB_CAMERA_WALK_GLSL
 #define REGULUS_LIB_CAMERA_WALK_GLSL
 
+#include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
@@ -66,7 +67,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
     candidate.direction = light.wi;
     candidate.t_max = 3.4e38;
   }
-  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? path.pixel & PATH_PIXEL : slot;
+  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? film_index(frame, path.pixel & PATH_PIXEL) : slot;
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);

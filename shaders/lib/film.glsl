@@ -7,6 +7,18 @@
 #include "lib/buffers.glsl"
 #include "lib/specialization.glsl"
 
+// The film holds the pixels of Frame.crop alone, row by row; a pixel's number on the whole film, y * width + x, decides
+// about its random numbers.
+uint film_index(Frame frame, uint pixel) {
+  if (spec_crop == 0u) return pixel;
+  return (pixel / frame.width - frame.crop.y) * frame.crop.z + pixel % frame.width - frame.crop.x;
+}
+
+uint pixel_of(Frame frame, uint index) {
+  if (spec_crop == 0u) return index;
+  return (index / frame.crop.z + frame.crop.y) * frame.width + index % frame.crop.z + frame.crop.x;
+}
+
 // Adds value >= 0 to the sum that starts at word `base`.
 void film_add_channel(DeviceAddress film, uint base, float value) {
   uint bits = floatBitsToUint(min(value, 1.8e16));
@@ -73,6 +85,18 @@ uvec3 fixed_add(uvec3 a, uvec3 b) {
   uint carry;
   middle = uaddCarry(middle, carry_low, carry);
   return uvec3(low, middle, a.z + b.z + carry_high + carry);
+}
+
+uvec3 fixed_subtract(uvec3 a, uvec3 b) {
+  uint borrow_low, borrow_high, borrow;
+  uint low = usubBorrow(a.x, b.x, borrow_low);
+  uint middle = usubBorrow(a.y, b.y, borrow_high);
+  middle = usubBorrow(middle, borrow_low, borrow);
+  return uvec3(low, middle, a.z - b.z - borrow_high - borrow);
+}
+
+float fixed_value(uvec3 words) {
+  return float(words.z) * 16777216.0 + float(words.y) * 3.90625e-3 + float(words.x) * 9.094947e-13;  // 2^24, -8, -40
 }
 
 void fixed_sum_add(inout FixedSum sum, vec3 radiance) {

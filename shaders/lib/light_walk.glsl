@@ -39,9 +39,10 @@ void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film) {
 
 vec2 film_size(Frame frame) { return vec2(frame.width, frame.height); }
 
-// A film point that the filter of no pixel reaches.
+// A film point that the filter of no pixel that is rendered reaches.
 bool is_off_film(Frame frame, vec2 film) {
-  vec2 outside = abs(film - 0.5 * film_size(frame)) - 0.5 * film_size(frame) + 0.5;
+  vec2 half_size = 0.5 * vec2(frame.crop.zw);
+  vec2 outside = abs(film - vec2(frame.crop.xy) - half_size) - half_size + 0.5;
   return !(max(outside.x, outside.y) <= frame.filter_radius);
 }
 

@@ -18,5 +18,7 @@ layout(constant_id = SPEC_MIS) const uint spec_mis = MIS_BLENDED;
 layout(constant_id = SPEC_WALK) const uint spec_walk = WALK_CAMERA;
 layout(constant_id = SPEC_SAMPLER_QUALITY) const uint spec_sampler_quality = SAMPLER_QUALITY_OFF;
 layout(constant_id = SPEC_CLAMP) const uint spec_clamp = 0u;
+layout(constant_id = SPEC_CROP) const uint spec_crop = 0u;
+layout(constant_id = SPEC_ENERGY_COMPENSATION) const uint spec_energy_compensation = 0u;
 
 #endif

@@ -14,6 +14,6 @@ void main() {
     count_events(COUNTER_NON_FINITE, 1u);
     return;
   }
-  uint pixels = FRAME.width * FRAME.height;
+  uint pixels = FRAME.crop.z * FRAME.crop.w;
   film_add(FRAME.film, (stage.first_pixel + slot) % pixels, radiance);
 }

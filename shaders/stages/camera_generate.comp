@@ -3,6 +3,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera.glsl"
+#include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
@@ -12,9 +13,9 @@ void main() {
   uint slot = item_index();
   if (slot >= stage.wave_paths) return;
   Frame frame = FRAME;
-  uint pixels = frame.width * frame.height;
+  uint pixels = frame.crop.z * frame.crop.w;
   uint index = stage.first_pixel + slot;
-  uint pixel = index % pixels, sample_index = stage.first_sample + index / pixels;
+  uint pixel = pixel_of(frame, index % pixels), sample_index = stage.first_sample + index / pixels;
 
   vec4 u = random_block(frame.seed, pixel, sample_index, DIMENSION_BLOCK_CAMERA);
   vec2 centre = vec2(pixel % frame.width, pixel / frame.width) + 0.5;

@@ -3,6 +3,7 @@
 // reads  pairs, camera vertices, light vertices          writes  candidates
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/film.glsl"
 #include "lib/history.glsl"
 #include "lib/shading.glsl"
 
@@ -101,7 +102,7 @@ void main() {
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
-  candidate.path = path.pixel & PATH_PIXEL;
+  candidate.path = film_index(frame, path.pixel & PATH_PIXEL);
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);

@@ -143,5 +143,5 @@ void main() {
       is_valid = false;
   }
   if (!is_valid) count_events(COUNTER_NON_FINITE, 1u);
-  film_add_sum(frame.film, path.pixel & PATH_PIXEL, sum);
+  film_add_sum(frame.film, film_index(frame, path.pixel & PATH_PIXEL), sum);
 }

@@ -21,14 +21,14 @@ void main() {
     count_events(COUNTER_NON_FINITE, 1u);
     return;
   }
-  ivec2 size = ivec2(frame.width, frame.height);
-  ivec2 first = max(ivec2(ceil(splat.film - frame.filter_radius - 0.5)), ivec2(0));
-  ivec2 last = min(ivec2(floor(splat.film + frame.filter_radius - 0.5)), size - 1);
+  ivec2 corner = ivec2(frame.crop.xy), size = ivec2(frame.crop.zw);
+  ivec2 first = max(ivec2(ceil(splat.film - frame.filter_radius - 0.5)), corner);
+  ivec2 last = min(ivec2(floor(splat.film + frame.filter_radius - 0.5)), corner + size - 1);
   for (int y = first.y; y <= last.y; ++y)
     for (int x = first.x; x <= last.x; ++x) {
       vec2 offset = vec2(x, y) + 0.5 - splat.film;
       float density = filter_density(offset, frame.filter_radius, frame.filter_sigma);
       vec3 contribution = clamp_contribution(density * splat.segment.contribution, frame.largest_contribution);
-      if (density > 0.0) film_add(frame.splat_film, uint(y * size.x + x), contribution);
+      if (density > 0.0) film_add(frame.splat_film, uint((y - corner.y) * size.x + x - corner.x), contribution);
     }
 }

@@ -147,5 +147,84 @@ TEST_F(Determinism, AStoppedRenderHoldsWholeSamplesOfTheFirstPixels) {
         << "pixel " << pixel;
 }
 
+constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
+constexpr uint32_t VCM =
+    PT | interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+
+// A floor under a lamp: few kernels, which take longer to compile than to run.
+PreparedScene lamp_over_floor() {
+  GltfScene scene;
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.5, 0.5, 0.5}));
+  scene.add({quad({-0.5, 0.3, -0.5}, {1, 0, 0}, {0, 0, 1})}, emitter({10, 10, 10}, true));
+  scene.set_perspective(look_at({0, 2, 0}, {0, 0, 0.001}), 1.0);
+  return prepare(scene);
+}
+
+// With light subpaths that connect, merge and splat into the crop from everywhere.
+TEST_F(Determinism, ACropHoldsThePixelsOfTheWhole) {
+  const PreparedScene scene = lamp_over_floor();
+  for (const uint32_t techniques : is_slow_device() ? std::vector{PT} : std::vector{PT, VCM}) {
+    RenderSettings whole = settings();
+    whole.samples = 2;
+    whole.techniques = techniques;
+    whole.merge_radius = 0.1f;
+    RenderSettings part = whole;
+    part.crop = {17, 5, 20, 30};
+    const Rendered reference = render(scene, whole), cropped = render(scene, part);
+    ASSERT_EQ(cropped.image.width, 20u);
+    ASSERT_EQ(cropped.image.height, 30u);
+    size_t lit = 0;
+    for (uint32_t y = 0; y < 30; ++y)
+      for (uint32_t i = 0; i < 3 * 20; ++i) {
+        const float value = cropped.image.rgb[y * 3 * 20 + i];
+        ASSERT_EQ(value, reference.image.rgb[((y + 5) * 48 + 17) * 3 + i]) << "techniques " << techniques;
+        lit += value > 0;
+      }
+    EXPECT_GT(lit, 1000u);
+  }
+}
+
+// Stopped in the middle of a sample or of its light paths, and gone on with by another renderer. A wave holds
+// 512 paths of the 1920 pixels and 6000 light paths.
+TEST_F(Determinism, AResumedRenderIsTheUninterruptedOne) {
+  struct Case {
+    uint32_t techniques, aovs;
+    uint64_t waves;  // after which it is stopped, preparations counted; two are on their way
+  };
+  const Case pt{PT, render::AOV_VARIANCE, 5}, lt{interface::TECHNIQUE_SPLAT, 0, 15},
+      vcm_in_light{VCM, render::AOV_VARIANCE, 17 + 5}, vcm_in_camera{VCM, render::AOV_VARIANCE, 17 + 13 + 1};
+  const PreparedScene scene = lamp_over_floor();
+  for (const Case& each :
+       is_slow_device() ? std::vector{pt} : std::vector{pt, lt, vcm_in_light, vcm_in_camera}) {
+    RenderSettings settings = Determinism::settings();
+    settings.samples = 3;
+    settings.techniques = each.techniques;
+    settings.aovs = each.aovs;
+    settings.merge_radius = 0.1f;
+    settings.wave_paths = 512;
+    settings.light_paths = 6000;
+    const Rendered whole = render(scene, settings);
+
+    render::Renderer first(*device(), scene.scene, scene.bvh, settings);
+    uint64_t waves = 0;
+    first.render([&](uint64_t, uint64_t) { return ++waves < each.waves; });
+    const render::Film state = first.film();
+    std::printf("techniques %u stopped after %llu paths, %llu light paths\n", each.techniques,
+                static_cast<unsigned long long>(state.paths),
+                static_cast<unsigned long long>(state.light_paths));
+    EXPECT_TRUE(state.paths % (48 * 40) != 0 || state.light_paths % settings.light_paths != 0)
+        << "no mid-sample";
+    render::Renderer second(*device(), scene.scene, scene.bvh, settings);
+    second.resume(state);
+    second.render([](uint64_t, uint64_t) { return true; });
+    EXPECT_EQ(second.film().paths, whole.film.paths);
+    EXPECT_EQ(second.film().light_paths, whole.film.light_paths);
+    EXPECT_TRUE(second.film().words == whole.film.words);
+    EXPECT_TRUE(second.film().splat_words == whole.film.splat_words);
+    EXPECT_TRUE(second.film().square_words == whole.film.square_words);
+    EXPECT_TRUE(second.film().earlier_words == whole.film.earlier_words);
+  }
+}
+
 }  // namespace
 }  // namespace regulus::test

@@ -5,6 +5,7 @@
 
 #include "interface/wavefront.h"
 #include "render/film.hpp"
+#include "render/film_file.hpp"
 
 namespace regulus::render {
 namespace {
@@ -59,6 +60,27 @@ TEST(Film, PixelsWithoutASampleAreBlack) {
   Film film = empty_film(2, 1, 1);
   set_bit(film, 0, 0, FRACTION);
   EXPECT_EQ(resolve(film).rgb, (std::vector<float>{1, 0, 0, 0, 0, 0}));
+}
+
+// Samples 1, 2 and 6 of one value: mean 3, variance of a sample 7, of the mean 7 / 3.
+TEST(Film, VarianceIsThatOfTheMean) {
+  Film film = empty_film(1, 1, 3);
+  film.earlier_words = film.square_words = film.words;
+  for (const int bit : {3, 0}) film.earlier_words[(FRACTION + bit) / 32] |= 1u << (FRACTION + bit) % 32;
+  for (const int bit : {5, 3, 0}) film.square_words[(FRACTION + bit) / 32] |= 1u << (FRACTION + bit) % 32;
+  EXPECT_FLOAT_EQ(resolve_variance(film).rgb[0], 7.0f / 3);
+  EXPECT_EQ(resolve_variance(film).rgb[1], 0.0f);
+  film.paths = 1;
+  EXPECT_TRUE(std::isinf(resolve_variance(film).rgb[0]));
+}
+
+TEST(Film, SumsOfPartsCarryFromWordToWord) {
+  Film a = empty_film(1, 2, 2), b = empty_film(1, 2, 4);
+  a.words = {0xFFFFFFFF, 0xFFFFFFFF, 1, 5, 6, 7, 0, 0xFFFFFFFF, 0xFFFFFFFF, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  b.words = {1, 0, 2, 1, 1, 1, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0, 0, 3};
+  add(a, b);
+  EXPECT_EQ(a.words, (std::vector<uint32_t>{0, 0, 4, 6, 7, 8, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 3}));
+  EXPECT_EQ(a.paths, 6u);
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ Rendered render(const PreparedScene& prepared, const render::RenderSettings& set
   renderer.render([](uint64_t, uint64_t) { return true; });
   EXPECT_EQ(renderer.statistics().non_finite, 0u);
   EXPECT_EQ(renderer.statistics().traversal_overruns, 0u);
-  EXPECT_EQ(renderer.film().paths, uint64_t{settings.width} * settings.height * settings.samples);
+  EXPECT_EQ(renderer.film().paths, settings.window().pixels() * settings.samples);
   return {renderer.film(), resolve(renderer.film()), renderer.statistics()};
 }
 

@@ -1,0 +1,58 @@
+#include "cli/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+
+namespace regulus::cli {
+
+void Checkpoint::update(const render::Film& film) {
+  const auto now = Clock::now();
+  if (path_.empty() || film.paths == written_paths_ ||
+      std::chrono::duration<double>(now - last_).count() < seconds_)
+    return;
+  finish(film);
+  last_ = Clock::now();
+  seconds_ = std::max(seconds_, 50 * std::chrono::duration<double>(last_ - now).count());
+}
+
+void Checkpoint::finish(const render::Film& film) {
+  if (path_.empty()) return;
+  write_(film);
+  written_paths_ = film.paths;
+}
+
+render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
+                             const render::RenderSettings& settings) {
+  const Part part = read_part(path);
+  require_same_render(path.string(), part.contents.attributes, "this render", attributes);
+  if (part.ranges.size() != 1 || part.ranges.front().first != settings.first_sample)
+    throw Error(ExitStatus::BadFile,
+                fmt::format("{}: holds other samples than those from {} on; name another file", path.string(),
+                            settings.first_sample));
+  const render::Window window = settings.window();
+  if (part.film.width != window.width || part.film.height != window.height)
+    throw Error(ExitStatus::BadFile,
+                fmt::format("{}: is not of the size it says; the file is corrupt", path.string()));
+  if (part.film.paths > window.pixels() * settings.samples)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("{}: holds {} samples per pixel, more than the {} asked for", path.string(),
+                            part.film.samples(0), settings.samples));
+  return part.film;
+}
+
+void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film) {
+  const render::Film& own = renderer.film();
+  if (own.splat_words.size() != film.splat_words.size() ||
+      own.earlier_words.size() != film.earlier_words.size() ||
+      own.square_words.size() != film.square_words.size() ||
+      own.light_paths_per_iteration != film.light_paths_per_iteration)
+    throw Error(
+        ExitStatus::BadFile,
+        fmt::format("{}: holds other sums than this render needs; the file is corrupt", path.string()));
+  renderer.resume(film);
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,48 @@
+// `render --checkpoint`: the state of a render in a file, written now and then, and read back by --resume.
+#pragma once
+
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <optional>
+
+#include "cli/part.hpp"
+#include "render/renderer.hpp"
+
+namespace regulus::cli {
+
+/// Writes the state of a render when it is due. The file changes as a whole (image::write_exr), so a process
+/// may be killed at any time.
+class Checkpoint {
+ public:
+  /// @param path empty: there is no checkpoint
+  /// @param seconds between two states; more if writing takes more than a fiftieth of that
+  /// @param write puts a film into the file
+  Checkpoint(std::filesystem::path path, double seconds, std::function<void(const render::Film&)> write)
+      : path_(std::move(path)), seconds_(seconds), write_(std::move(write)) {}
+
+  /// Writes `film` if it is another than the last one and the time has come.
+  void update(const render::Film& film);
+  /// Writes `film` at once.
+  void finish(const render::Film& film);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::filesystem::path path_;
+  double seconds_;
+  std::function<void(const render::Film&)> write_;
+  Clock::time_point last_ = Clock::now();
+  uint64_t written_paths_ = 0;
+};
+
+/// The film in a checkpoint, to go on from with these settings.
+/// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
+/// asked for
+render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
+                             const render::RenderSettings& settings);
+
+/// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
+/// renderer's
+void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film);
+
+}  // namespace regulus::cli

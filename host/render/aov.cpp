@@ -1,0 +1,100 @@
+#include "render/aov.hpp"
+
+#include <fmt/format.h>
+
+#include <sstream>
+
+#include "base/error.hpp"
+#include "render/settings.hpp"
+
+namespace regulus::render {
+
+namespace {
+
+using interface::AovPixel;
+
+constexpr std::pair<const char*, uint32_t> NAMES[] = {
+    {"albedo", AOV_ALBEDO},     {"N", AOV_SHADING_NORMAL},  {"Ng", AOV_GEOMETRIC_NORMAL},
+    {"P", AOV_POSITION},        {"Z", AOV_DEPTH},           {"material", AOV_MATERIAL},
+    {"instance", AOV_INSTANCE}, {"variance", AOV_VARIANCE}, {"samples", AOV_SAMPLES}};
+
+template <typename T, typename Value>
+std::vector<T> values_of(const std::vector<AovPixel>& pixels, const Value& value) {
+  std::vector<T> values;
+  values.reserve(pixels.size());
+  for (const AovPixel& pixel : pixels) values.push_back(value(pixel));
+  return values;
+}
+
+void add_vectors(const std::vector<AovPixel>& pixels, const std::string& name, const char* components,
+                 interface::vec3 AovPixel::*vector, image::Channels& channels) {
+  for (int i = 0; i < 3; ++i)
+    channels[name + "." + components[i]] =
+        values_of<float>(pixels, [&](const AovPixel& pixel) { return (pixel.*vector)[i]; });
+}
+
+/// Indices count from 1: INVALID_INDEX becomes 0.
+void add_indices(const std::vector<AovPixel>& pixels, const char* name, uint32_t AovPixel::*index,
+                 image::Channels& channels) {
+  channels[name] = values_of<uint32_t>(pixels, [&](const AovPixel& pixel) { return pixel.*index + 1; });
+}
+
+}  // namespace
+
+uint32_t parse_aovs(const std::string& list) {
+  uint32_t aovs = 0;
+  std::istringstream stream(list);
+  for (std::string name; std::getline(stream, name, ',');) {
+    uint32_t bit = 0;
+    for (const auto& [known, known_bit] : NAMES)
+      if (name == known) bit = known_bit;
+    if (bit == 0)
+      throw Error(ExitStatus::BadUsage,
+                  fmt::format("--aov {}: \"{}\" is not one of albedo, N, Ng, P, Z, material, instance, "
+                              "variance, samples",
+                              list, name));
+    aovs |= bit;
+  }
+  return aovs;
+}
+
+std::string aov_names(uint32_t aovs) {
+  std::string list;
+  for (const auto& [name, bit] : NAMES) {
+    if ((aovs & bit) == 0) continue;
+    if (!list.empty()) list += ',';
+    list += name;
+  }
+  return list;
+}
+
+void add_surface_channels(const std::vector<AovPixel>& pixels, uint32_t aovs, image::Channels& channels) {
+  if ((aovs & AOV_ALBEDO) != 0) add_vectors(pixels, "albedo", "RGB", &AovPixel::albedo, channels);
+  if ((aovs & AOV_SHADING_NORMAL) != 0) add_vectors(pixels, "N", "XYZ", &AovPixel::shading_normal, channels);
+  if ((aovs & AOV_GEOMETRIC_NORMAL) != 0)
+    add_vectors(pixels, "Ng", "XYZ", &AovPixel::geometric_normal, channels);
+  if ((aovs & AOV_POSITION) != 0) add_vectors(pixels, "P", "XYZ", &AovPixel::position, channels);
+  if ((aovs & AOV_DEPTH) != 0)
+    channels["Z"] = values_of<float>(pixels, [](const AovPixel& pixel) { return pixel.depth; });
+  if ((aovs & AOV_MATERIAL) != 0) add_indices(pixels, "material", &AovPixel::material, channels);
+  if ((aovs & AOV_INSTANCE) != 0) add_indices(pixels, "instance", &AovPixel::instance, channels);
+}
+
+void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels) {
+  if ((aovs & AOV_VARIANCE) != 0) {
+    const image::Image variance = resolve_variance(film);
+    for (size_t c = 0; c < 3; ++c) {
+      std::vector<float> values(film.pixels());
+      for (size_t pixel = 0; pixel < values.size(); ++pixel) values[pixel] = variance.rgb[3 * pixel + c];
+      channels[std::string("variance.") + "RGB"[c]] = std::move(values);
+    }
+  }
+  if ((aovs & AOV_SAMPLES) != 0) {
+    std::vector<uint32_t> samples(film.pixels());
+    for (uint64_t pixel = 0; pixel < samples.size(); ++pixel)
+      samples[pixel] = static_cast<uint32_t>(film.samples(pixel));
+    channels["samples"] = std::move(samples);
+  }
+}
+
+}  // namespace regulus::render

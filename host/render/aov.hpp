@@ -1,0 +1,28 @@
+// AOVs as channels of an image (design.md section 7).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "image/image.hpp"
+#include "interface/wavefront.h"
+#include "render/film.hpp"
+
+namespace regulus::render {
+
+/// AOV_* bits of a comma-separated list of names: albedo, N, Ng, P, Z, material, instance, variance, samples;
+/// 0 if it is empty. @throws regulus::Error (BadUsage) naming the one that is unknown
+uint32_t parse_aovs(const std::string& list);
+
+/// The list of names.
+std::string aov_names(uint32_t aovs);
+
+/// Channels of those SURFACE_AOVS that `aovs` asks for: albedo.R, N.X, Ng.X, P.X and so on, Z, and the
+/// integers material and instance: 1 + index, 0 where there is nothing.
+void add_surface_channels(const std::vector<interface::AovPixel>& pixels, uint32_t aovs,
+                          image::Channels& channels);
+
+/// Channels of the film: variance.R and so on, of the mean of the samples, and the integer samples.
+void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels);
+
+}  // namespace regulus::render

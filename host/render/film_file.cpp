@@ -1,0 +1,115 @@
+#include "render/film_file.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <utility>
+
+#include "base/error.hpp"
+#include "interface/wavefront.h"
+
+namespace regulus::render {
+
+namespace {
+
+using interface::FILM_WORDS_PER_PIXEL;
+
+/// The sums a film may have, by the name of their channels.
+struct Layer {
+  const char* name;
+  std::vector<uint32_t> Film::*words;
+};
+constexpr Layer LAYERS[] = {{"sum", &Film::words},
+                            {"splats", &Film::splat_words},
+                            {"earlier", &Film::earlier_words},
+                            {"squares", &Film::square_words}};
+constexpr const char* PATHS = "regulus:paths";
+constexpr const char* LIGHT_PATHS = "regulus:light_paths_done";
+constexpr const char* LIGHT_PATHS_PER_ITERATION = "regulus:light_paths_per_iteration";
+
+std::string channel_name(const Layer& layer, uint32_t word) {
+  return fmt::format("film.{}.{}{}", layer.name, "RGB"[word / 3], word % 3);
+}
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
+  throw Error(ExitStatus::BadFile,
+              fmt::format("{}: {}; render it with --samples or --checkpoint", path.string(), reason));
+}
+
+uint64_t number(const std::filesystem::path& path, const image::Attributes& attributes, const char* name) {
+  const auto found = attributes.find(name);
+  uint64_t value = 0;
+  if (found == attributes.end()) fail(path, "holds no sums of samples");
+  const std::string& text = found->second;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size())
+    fail(path, fmt::format("its {} is not a number", name));
+  return value;
+}
+
+/// The words of a layer; empty if the file has none of its channels.
+std::vector<uint32_t> take_layer(const std::filesystem::path& path, const Layer& layer, uint64_t pixels,
+                                 image::Channels& channels) {
+  std::vector<uint32_t> words;
+  for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
+    const auto node = channels.extract(channel_name(layer, word));
+    if (node.empty() && words.empty()) continue;
+    const auto* values = node.empty() ? nullptr : std::get_if<std::vector<uint32_t>>(&node.mapped());
+    if (values == nullptr || (words.empty() && word != 0)) fail(path, "misses some of the sums of samples");
+    words.resize(pixels * FILM_WORDS_PER_PIXEL);
+    for (uint64_t pixel = 0; pixel < pixels; ++pixel)
+      words[pixel * FILM_WORDS_PER_PIXEL + word] = (*values)[pixel];
+  }
+  return words;
+}
+
+}  // namespace
+
+void add_film(const Film& film, image::Channels& channels, image::Attributes& attributes) {
+  for (const Layer& layer : LAYERS) {
+    const std::vector<uint32_t>& words = film.*layer.words;
+    if (words.empty()) continue;
+    for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
+      std::vector<uint32_t> values(film.pixels());
+      for (uint64_t pixel = 0; pixel < values.size(); ++pixel)
+        values[pixel] = words[pixel * FILM_WORDS_PER_PIXEL + word];
+      channels[channel_name(layer, word)] = std::move(values);
+    }
+  }
+  attributes[PATHS] = std::to_string(film.paths);
+  attributes[LIGHT_PATHS] = std::to_string(film.light_paths);
+  attributes[LIGHT_PATHS_PER_ITERATION] = std::to_string(film.light_paths_per_iteration);
+}
+
+Film take_film(const std::filesystem::path& path, image::ExrContents& contents) {
+  Film film;
+  film.width = contents.width;
+  film.height = contents.height;
+  film.paths = number(path, contents.attributes, PATHS);
+  film.light_paths = number(path, contents.attributes, LIGHT_PATHS);
+  film.light_paths_per_iteration = number(path, contents.attributes, LIGHT_PATHS_PER_ITERATION);
+  for (const Layer& layer : LAYERS)
+    film.*layer.words = take_layer(path, layer, film.pixels(), contents.channels);
+  if (film.words.empty()) fail(path, "holds no sums of samples");
+  if (film.light_paths_per_iteration == 0) fail(path, "has iterations without light paths");
+  return film;
+}
+
+void add(Film& film, const Film& other) {
+  for (const Layer& layer : LAYERS) {
+    std::vector<uint32_t>& sums = film.*layer.words;
+    const std::vector<uint32_t>& more = other.*layer.words;
+    uint64_t carry = 0;
+    for (size_t word = 0; word < sums.size(); ++word) {
+      if (word % 3 == 0) carry = 0;  // the next sum of three words
+      carry += uint64_t{sums[word]} + more[word];
+      sums[word] = static_cast<uint32_t>(carry);
+      carry >>= 32;
+    }
+  }
+  film.paths += other.paths;
+  film.light_paths += other.light_paths;
+}
+
+}  // namespace regulus::render

@@ -1,0 +1,55 @@
+// surface_aovs: what camera rays meet first, once per pixel: a function of the scene, the camera and the seed, whatever
+// samples are rendered.
+// reads  frame.camera, scene          writes  aovs
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "lib/alpha.glsl"
+#include "lib/camera.glsl"
+#include "lib/film.glsl"
+#include "lib/rng.glsl"
+#include "lib/shading.glsl"
+#include "lib/stage.glsl"
+#include "lib/traversal.glsl"
+
+// Unlit surfaces show their emission.
+vec3 albedo_of(Frame frame, ShadingPoint point) {
+  if ((point.material.flags & MATERIAL_UNLIT) == 0u) return point.material.base_color;
+  return emitted_radiance(frame, point.material, point.material.emission, point.surface.uv, point.surface.color);
+}
+
+// Meets the scene through film point `film` and, chosen by u, the lens. False if there is nothing.
+bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
+  vec3 origin, direction;
+  camera_ray(frame.camera, film, vec2(frame.width, frame.height), u, origin, direction);
+  uint tag;
+  hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, 3.4e38, tag);
+  if (hit.triangle == INVALID_INDEX) return false;
+  point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE);
+  return true;
+}
+
+void main() {
+  Frame frame = FRAME;
+  uint index = stage.first_pixel + item_index();
+  if (index >= frame.crop.z * frame.crop.w) return;
+  uint pixel = pixel_of(frame, index);
+  vec2 centre = vec2(pixel % frame.width, pixel / frame.width) + 0.5;
+  AovPixel result = AovPixel(vec3(0.0), uintBitsToFloat(0x7F800000u), vec3(0.0), INVALID_INDEX, vec3(0.0), INVALID_INDEX,
+                             vec3(0.0), 0u);
+  ShadingPoint point;
+  Hit hit;
+  for (uint ray = 0u; ray < AOV_RAYS; ++ray) {
+    vec4 u = random_block(frame.seed, pixel, ray, DIMENSION_BLOCK_CAMERA);
+    if (!meet(frame, centre + sample_filter(u.xy, frame.filter_radius, frame.filter_sigma), u.zw, point, hit)) continue;
+    result.albedo += albedo_of(frame, point) / float(AOV_RAYS);
+    result.shading_normal += point.normal / float(AOV_RAYS);
+    result.geometric_normal += point.geometric_normal / float(AOV_RAYS);
+  }
+  if (meet(frame, centre, vec2(0.5), point, hit)) {
+    result.position = point.surface.position;
+    result.depth = dot(result.position - frame.camera.position, frame.camera.forward);
+    result.material = point.surface.material;
+    result.instance = LOAD(TriangleBuffer, frame.triangles, hit.triangle).instance;
+  }
+  STORE(AovPixelBuffer, frame.aovs, index, result);
+}
