@@ -39,6 +39,9 @@ std::vector<Tally> check_sorting(const Subject& subject, const render::Connectio
 std::vector<Tally> check_connections(const Subject& subject, uint32_t sample,
                                      const render::ConnectionRecording& recording);
 
+/// Name of the line of check_connections() that judges weights.
+inline constexpr const char* WEIGHTS = "weights (absolute)";
+
 /// Whole camera paths, vertex by vertex, and what each carries to the film, weights included.
 std::vector<Tally> check_paths(const Subject& subject, const render::Recording& recording);
 

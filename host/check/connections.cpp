@@ -1,5 +1,6 @@
 // Connections, merges and splats one by one, weights included: what each of the device's carries against the
-// path's definition, for paths whose walks are the same on both sides.
+// path's definition. The reference follows the device's walks from surface point to surface point, so that
+// its paths are the device's and only the errors of what is judged here remain.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -25,12 +26,17 @@ using render::RecordedConnections;
 
 namespace {
 
-constexpr double VALUE_BOUND = 1e-3;   // as of whole paths
+constexpr double VALUE_BOUND = 1e-4;   // relative
 constexpr double WEIGHT_BOUND = 1e-5;  // absolute
 constexpr double NOISE = 1e-6;         // of the mean of all, below which a value says nothing of its weight
-// Share of paths that differ because a walk did and was not noticed, or a vertex lies on the merge radius.
-constexpr double ALLOWED = 0.01;
-constexpr uint32_t ROUNDING_PATTERNS = 4;  // of Settings::rounding_pattern, as for whole paths
+// Share of walks that cannot be followed because another lobe was a tie, and of sums that differ because a
+// vertex lies on the merge radius or a segment on an edge.
+constexpr double ALLOWED = 1e-3;
+// Sums on the film are multiples of this; below a million times as much they say nothing of a weight of 1e-5.
+constexpr double FILM_UNIT = 0x1p-40;
+// Of Settings::rounding_pattern. Errors of many roundings are nearly normal: that of all eight one is less
+// than a fourth of what the device happens to have is a matter of 3e-6.
+constexpr uint32_t ROUNDING_PATTERNS = 8;
 constexpr double CONDITIONING = 4;
 
 double largest(const dvec3& v) {
@@ -57,6 +63,7 @@ struct Item {
 struct Expected {
   dvec3 unweighted{0};
   double weight = 1;
+  bool is_one_path = true;  // false: the sum of several, whose weights cannot be told apart
   dvec3 value() const { return weight * unweighted; }
 };
 
@@ -71,16 +78,21 @@ class ConnectionChecker {
     settings_.expected_light_vertices = recording.expected_vertices;
     estimator_ = std::make_unique<reference::Estimator>(subject_.world, subject_.camera, settings_);
     set_ = estimator_->techniques(sample);
+    gather_walks();
     iterations_.push_back(walk(0));
   }
 
   std::vector<Tally> run() {
     Tally pairs("connection pairs", 0);
-    std::vector<Item> nee, connected, merged;
+    std::vector<Item> hit, escaped, nee, connected, merged;
     for (uint32_t i = 0; i < recording_.bounces.size(); ++i) {
       const RecordedConnections& bounce = recording_.bounces[i];
       check_pairs(bounce, i, pairs);
       for (const uint32_t slot : bounce.slots) {
+        const bool has_left = bounce.hits[slot].triangle == INVALID_INDEX;
+        const size_t followed = iterations_.front().camera[slot].vertices.size();
+        if (has_left ? followed == i : followed > i)
+          (has_left ? escaped : hit).push_back({TECHNIQUE_HIT, slot, i + 1, 0, 0, dvec3(bounce.met[slot])});
         if (!is_same_walk(bounce, slot, i)) continue;
         const dvec3 sum = bounce.merged[slot];
         if (bounce.camera_vertices[slot].edges != 0)
@@ -91,18 +103,51 @@ class ConnectionChecker {
           nee.push_back({TECHNIQUE_NEE, candidate.path, i + 1, 0, 0, dvec3(candidate.contribution)});
       gather_connections(bounce, i, connected);
     }
-    Tally weights("weights (absolute)", WEIGHT_BOUND, ALLOWED);
-    std::vector<Tally> tallies{pairs};
-    tallies.push_back(judge("light samples", nee, &weights));
-    tallies.push_back(judge("connect", connected, &weights));
-    tallies.push_back(judge("merge", merged, nullptr));
-    tallies.push_back(judge("splats", splats(), &weights));
+    Tally weights(WEIGHTS, WEIGHT_BOUND, ALLOWED);
+    std::vector<Tally> tallies{check_walks(), pairs};
+    tallies.push_back(judge("hit", hit, weights));
+    if (!escaped.empty()) tallies.push_back(judge("escape", escaped, weights));
+    tallies.push_back(judge("light samples", nee, weights));
+    tallies.push_back(judge("connect", connected, weights));
+    tallies.push_back(judge("merge", merged, weights));
+    tallies.push_back(judge("splats", splats(), weights));
     tallies.push_back(weights);
     tallies.push_back(check_splat_film());
     return tallies;
   }
 
  private:
+  /// Where the device's walks meet surfaces.
+  void gather_walks() {
+    const auto append = [](const std::vector<Hit>& hits, auto& walks) {
+      for (size_t i = 0; i < walks.size(); ++i)
+        if (hits[i].triangle != INVALID_INDEX) walks[i].push_back({hits[i].triangle, {hits[i].u, hits[i].v}});
+    };
+    camera_hits_.resize(size_t{settings_.width} * settings_.height);
+    light_hits_.resize(settings_.paths_per_iteration());
+    for (const RecordedConnections& bounce : recording_.bounces) append(bounce.hits, camera_hits_);
+    for (const std::vector<Hit>& hits : recording_.light_hits) append(hits, light_hits_);
+  }
+
+  /// How many of them the reference could follow to their end.
+  Tally check_walks() const {
+    Tally tally("walks followed", 0, ALLOWED);
+    const auto compare = [&](const char* kind, const auto& walks, const auto& given) {
+      for (size_t i = 0; i < walks.size(); ++i) {
+        if (walks[i].vertices.size() == given[i].size()) {
+          tally.add_error(0);
+          continue;
+        }
+        tally.add_difference(Difference::Real);
+        tally.describe(
+            fmt::format("{} path {}: {} of {} vertices", kind, i, walks[i].vertices.size(), given[i].size()));
+      }
+    };
+    compare("camera", iterations_.front().camera, camera_hits_);
+    compare("light", iterations_.front().light.subpaths(), light_hits_);
+    return tally;
+  }
+
   Iteration walk(uint32_t pattern) const {
     reference::Settings settings = settings_;
     settings.rounding_pattern = pattern;
@@ -111,13 +156,14 @@ class ConnectionChecker {
     reference::parallel_ranges(
         static_cast<uint32_t>(camera.size()), 256, 0, [&](uint32_t begin, uint32_t end) {
           for (uint32_t i = begin; i < end; ++i)
-            camera[i] = walk_from_camera(subject_.world, subject_.camera, settings, i, sample_);
+            camera[i] =
+                walk_from_camera(subject_.world, subject_.camera, settings, i, sample_, &camera_hits_[i]);
         });
-    reference::parallel_ranges(static_cast<uint32_t>(light.size()), 256, 0,
-                               [&](uint32_t begin, uint32_t end) {
-                                 for (uint32_t i = begin; i < end; ++i)
-                                   light[i] = walk_from_light(subject_.world, settings, i, sample_);
-                               });
+    reference::parallel_ranges(
+        static_cast<uint32_t>(light.size()), 256, 0, [&](uint32_t begin, uint32_t end) {
+          for (uint32_t i = begin; i < end; ++i)
+            light[i] = walk_from_light(subject_.world, settings, i, sample_, &light_hits_[i]);
+        });
     return {std::move(camera), estimator_->light_cache(std::move(light), sample_)};
   }
 
@@ -287,8 +333,14 @@ class ConnectionChecker {
       return result;
     }
     const reference::CameraSubpath& camera = iteration.camera[item.pixel];
+    if (item.technique == TECHNIQUE_HIT) {
+      const auto met = item.camera_edges <= camera.vertices.size()
+                           ? hit_light(subject_.world, camera, item.camera_edges)
+                           : hit_environment(subject_.world, camera);
+      return met ? by_definition(*met) : Expected{};
+    }
     if (item.camera_edges > camera.vertices.size()) return std::nullopt;
-    if (item.technique == TECHNIQUE_MERGE) return Expected{merges(iteration, camera, item.camera_edges), 1};
+    if (item.technique == TECHNIQUE_MERGE) return merges(iteration, camera, item.camera_edges);
     std::optional<reference::SampledPath> sampled;
     double scale = 1;
     if (item.technique == TECHNIQUE_NEE) {
@@ -317,13 +369,16 @@ class ConnectionChecker {
     return connect_to_light(world, point, camera, item.camera_edges);
   }
 
-  dvec3 merges(const Iteration& iteration, const reference::CameraSubpath& camera, size_t edges) const {
-    dvec3 sum(0);
+  Expected merges(const Iteration& iteration, const reference::CameraSubpath& camera, size_t edges) const {
+    std::vector<Expected> all;
     for (const auto [path, m] : iteration.light.near(camera.vertices[edges - 1].surface.position)) {
       if (edges + m > settings_.max_depth) continue;
       const auto sampled = merge_vertices(iteration.light.subpaths()[path], m, camera, edges);
-      if (sampled) sum += by_definition(*sampled).value();
+      if (sampled) all.push_back(by_definition(*sampled));
     }
+    if (all.size() == 1) return all.front();
+    Expected sum{dvec3(0), 1, false};
+    for (const Expected& one : all) sum.unweighted += one.value();
     return sum;
   }
 
@@ -343,7 +398,7 @@ class ConnectionChecker {
     return {of_value, of_weight};
   }
 
-  Tally judge(const char* name, const std::vector<Item>& items, Tally* weights) {
+  Tally judge(const char* name, const std::vector<Item>& items, Tally& weights) {
     Tally tally(name, VALUE_BOUND, ALLOWED);
     std::vector<std::optional<Expected>> exact;
     double mean = 0;
@@ -352,27 +407,33 @@ class ConnectionChecker {
       if (exact.back()) mean += largest(exact.back()->value()) / static_cast<double>(items.size());
     }
     const double floor = 0.01 * mean;
-    for (size_t i = 0; i < items.size(); ++i) {
-      if (!exact[i] || largest(exact[i]->unweighted) == 0) continue;
-      const Expected& wanted = *exact[i];
-      const double error = relative(items[i].found, wanted.value(), floor);
-      const double weight = reference::luminance(items[i].found) / reference::luminance(wanted.unweighted);
-      // Two points of one plane are connected at cosines that are nothing but rounding.
-      const bool is_noise = largest(wanted.value()) < NOISE * floor;
-      const double weight_error = weights == nullptr || is_noise ? 0 : std::abs(weight - wanted.weight);
-      std::pair<double, double> excused(0, 0);
-      if (!(error <= VALUE_BOUND && weight_error <= WEIGHT_BOUND)) excused = spread(items[i], wanted, floor);
-      const std::string words = fmt::format(
-          "{}: pixel {}, {} edges; light path {}, {} edges: ({:.6g} {:.6g} {:.6g}) against ({:.6g} "
-          "{:.6g} {:.6g}), weight {:.6g} against {:.6g}",
-          name, items[i].pixel, items[i].camera_edges, items[i].light_path, items[i].light_edges,
-          items[i].found.x, items[i].found.y, items[i].found.z, wanted.value().x, wanted.value().y,
-          wanted.value().z, weight, wanted.weight);
-      if (!tally.add_error(error, CONDITIONING * excused.first)) tally.describe(words);
-      if (weights != nullptr && !weights->add_error(weight_error, CONDITIONING * excused.second))
-        weights->describe(words);
-    }
+    for (size_t i = 0; i < items.size(); ++i)
+      if (exact[i]) judge_item(items[i], *exact[i], floor, name, tally, weights);
     return tally;
+  }
+
+  void judge_item(const Item& item, const Expected& wanted, double floor, const char* name, Tally& tally,
+                  Tally& weights) {
+    const double error = relative(item.found, wanted.value(), floor);
+    // Two points of one plane are connected at cosines that are nothing but rounding.
+    const double least = std::max(NOISE * floor, item.technique == TECHNIQUE_MERGE ? 1e6 * FILM_UNIT : 0);
+    const bool has_weight = wanted.is_one_path && largest(wanted.value()) > least;
+    const double weight =
+        has_weight ? reference::luminance(item.found) / reference::luminance(wanted.unweighted) : 0;
+    const double weight_error = has_weight ? std::abs(weight - wanted.weight) : 0;
+    std::pair<double, double> excused(0, 0);
+    if (!(error <= VALUE_BOUND && weight_error <= WEIGHT_BOUND)) excused = spread(item, wanted, floor);
+    const auto words = [&] {
+      return fmt::format(
+          "{}: pixel {}, {} edges; light path {}, {} edges: ({:.6g} {:.6g} {:.6g}) against ({:.6g} "
+          "{:.6g} {:.6g}), weight {:.6g} against {:.6g}, of which rounding explains {:.1e}",
+          name, item.pixel, item.camera_edges, item.light_path, item.light_edges, item.found.x, item.found.y,
+          item.found.z, wanted.value().x, wanted.value().y, wanted.value().z, weight, wanted.weight,
+          CONDITIONING * excused.second);
+    };
+    if (!tally.add_error(error, CONDITIONING * excused.first)) tally.describe(words());
+    if (has_weight && !weights.add_error(weight_error, CONDITIONING * excused.second))
+      weights.describe(words());
   }
 
   const Subject& subject_;
@@ -382,6 +443,7 @@ class ConnectionChecker {
   std::vector<uint32_t> owner_;  // light path of each light vertex
   std::unique_ptr<reference::Estimator> estimator_;
   reference::TechniqueSet set_;
+  std::vector<std::vector<reference::GivenHit>> camera_hits_, light_hits_;  // by pixel, by light path
   std::vector<Iteration> iterations_;  // exact, then with patterns of roundings
 };
 

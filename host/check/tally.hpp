@@ -37,6 +37,10 @@ class Tally {
   /// Words about a real difference; the first few are kept.
   void describe(const std::string& text);
 
+  /// Adds the items of a line of the same name.
+  void add(const Tally& more);
+
+  uint64_t items() const { return errors_.size() + ties_ + edges_; }
   bool is_passed() const;
   const std::string& name() const { return name_; }
 

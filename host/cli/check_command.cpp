@@ -22,11 +22,17 @@ using namespace interface;
 
 // Without --size: as many paths as a stage needs for its 99.9th percentile to mean something.
 constexpr const char* DEFAULT_SIZE = "96x64";
+constexpr uint32_t MOST_ITERATIONS = 10'000;  // of a scene where little can be weighed
 constexpr uint32_t WALK_TECHNIQUES = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
+
+constexpr const char* BLENDED =
+    "whole paths, connections and images are not compared: what a ray does at a blended surface hangs on its "
+    "bits";
 
 struct CheckOptions {
   RenderOptions render;
-  std::string path;  ///< x,y,sample; empty: check everything
+  std::string path;      ///< x,y,sample; empty: check everything
+  uint64_t weights = 0;  ///< how many to compare; 0: check everything
 };
 
 struct PathName {
@@ -57,8 +63,8 @@ bool report(const check::Tally& tally) {
   return tally.is_passed();
 }
 
-/// An iteration with connections to the cache, merges and splats.
-bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subject) {
+/// Iterations with connections to the cache, merges and splats, until `weights` weights have been compared.
+bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subject, uint64_t weights) {
   constexpr uint32_t BOTH = TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
   render::RenderSettings asked = subject.settings;
   asked.techniques = WALK_TECHNIQUES | BOTH;
@@ -76,14 +82,28 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   wanted.merge_radius = recorder.settings().merge_radius;
   const check::Subject same{subject.scene,  subject.bvh,         subject.world,
                             subject.camera, recorder.settings(), wanted};
-  const uint32_t sample = subject.settings.first_sample;
+  std::vector<check::Tally> sorting, connections;
+  const auto add = [](std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
+    for (size_t i = 0; i < more.size(); ++i) i < all.size() ? all[i].add(more[i]) : all.push_back(more[i]);
+  };
+  const auto compared = [&] {
+    const auto line = std::find_if(connections.begin(), connections.end(),
+                                   [](const check::Tally& tally) { return tally.name() == check::WEIGHTS; });
+    return line == connections.end() ? 0 : line->items();
+  };
+  const uint32_t first = subject.settings.first_sample;
+  for (uint32_t i = 0; i < MOST_ITERATIONS && (i == 0 || compared() < weights); ++i) {
+    render::ConnectionRecording recording = recorder.record_light_vertices(first + i);
+    add(sorting, check_sorting(same, recording));
+    // Lists that are broken lead the other stages astray.
+    if (!std::all_of(sorting.begin(), sorting.end(), [](const auto& tally) { return tally.is_passed(); }))
+      break;
+    recorder.record_connections(first + i, recording);
+    add(connections, check_connections(same, first + i, recording));
+  }
   bool is_passed = true;
-  render::ConnectionRecording recording = recorder.record_light_vertices(sample);
-  for (const check::Tally& tally : check_sorting(same, recording)) is_passed = report(tally) && is_passed;
-  if (!is_passed) return false;  // lists that are broken lead the other stages astray
-  recorder.record_connections(sample, recording);
-  for (const check::Tally& tally : check_connections(same, sample, recording))
-    is_passed = report(tally) && is_passed;
+  for (const std::vector<check::Tally>* tallies : {&sorting, &connections})
+    for (const check::Tally& tally : *tallies) is_passed = report(tally) && is_passed;
   return is_passed;
 }
 
@@ -122,13 +142,11 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
     }
   }
   if (is_blended) {
-    fmt::print(
-        "whole paths, connections and images are not compared: what a ray does at a blended surface hangs on "
-        "its bits\n");
+    fmt::print("{}\n", BLENDED);
     return is_passed;
   }
   // Images would repeat it at best; lists that are broken may crash the driver.
-  if (!check_sorted_and_connected(device, subject)) return false;
+  if (!check_sorted_and_connected(device, subject, 0)) return false;
   for (const auto& [name, techniques] :
        {std::pair<const char*, uint32_t>{"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
         {"lt", TECHNIQUE_SPLAT},
@@ -154,8 +172,12 @@ void run_check(CLI::App& command, CheckOptions& options) {
       settings.height);
   const reference::Settings wanted = reference_settings(settings);
   const check::Subject subject{scene, bvh, world, camera, settings, wanted};
+  if (options.weights > 0 && has_blended_surfaces(scene))
+    throw Error(ExitStatus::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));
   if (options.path.empty()) {
-    if (!check_everything(device, subject))
+    if (options.weights > 0) fmt::print("{}\n", check::Tally::header());
+    if (!(options.weights > 0 ? check_sorted_and_connected(device, subject, options.weights)
+                              : check_everything(device, subject)))
       throw Error(ExitStatus::Failed,
                   fmt::format("{}: device and reference differ, see above", scene.path.string()));
     return;
@@ -175,6 +197,8 @@ void add_check_command(CLI::App& app) {
       "check", "Hold every stage of the device against the scalar reference, on data of a scene");
   declare_render_options(*command, options->render);
   command->add_option("--path", options->path, "Print one camera path from both in full: x,y,sample");
+  command->add_option("--weights", options->weights,
+                      "Only connections, merges and splats, until so many weights have been compared");
   command->callback([command, options] { run_check(*command, *options); });
 }
 

@@ -47,20 +47,70 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
 constexpr uint32_t ROUNDING_CAMERA = 1u << 30;
 constexpr uint32_t ROUNDING_LIGHT = 3u << 30;
 
-/// The vertex that a ray reaches from surface `start` (null: from none).
-std::optional<WalkVertex> next_vertex(const World& world, Ray ray, const Surface* start, WalkState& state,
-                                      double cos_start, bool is_from_camera, Rounding rounding) {
-  if (rounding.is_on()) {
-    ray = rounded(world, ray, start, rounding);
-    state.direction = ray.direction;
-  }
+// A given point counts as where a direction leads if it is this near, relative to the distance and to the
+// size of the scene: single precision keeps far within it, another lobe does not.
+constexpr double GIVEN_ANGLE = 1e-3;
+constexpr double GIVEN_OFFSET = 1e-5;
+
+/// Where a ray from one of a walk's vertices arrives.
+struct Arrival {
+  Surface surface;
+  double distance;
+};
+
+std::optional<Arrival> trace(const World& world, const Ray& ray) {
   const std::optional<Intersection> hit = world.traversal().closest(ray);
   if (!hit) return std::nullopt;
-  Surface surface = world.surface_at(hit->triangle, hit->barycentrics);
+  return Arrival{world.surface_at(hit->triangle, hit->barycentrics), hit->t};
+}
+
+/// The given hit, if the ray leads there.
+std::optional<Arrival> follow(const World& world, const Ray& ray, const GivenHit& hit) {
+  const Surface surface = world.surface_at(hit.triangle, hit.barycentrics);
+  const double distance = length(surface.position - ray.origin);
+  const double miss = length(ray.origin + distance * ray.direction - surface.position);
+  if (!(miss <= GIVEN_ANGLE * distance + GIVEN_OFFSET * world.radius())) return std::nullopt;
+  return Arrival{surface, distance};
+}
+
+/// A surface point as single precision has it.
+void round_surface(Surface& surface, bool is_given, Rounding& rounding) {
   for (int axis = 0; axis < 2; ++axis)
     surface.uv[axis] = rounding.moved(surface.uv[axis], 2 * UNIT_ROUNDOFF * std::abs(surface.uv[axis]));
-  return arrive(world, surface, hit->t, state, cos_start, is_from_camera);
+  for (int axis = 0; axis < 3; ++axis)
+    surface.shading_normal[axis] = rounding.moved(surface.shading_normal[axis], 2 * UNIT_ROUNDOFF);
+  surface.shading_normal = normalize(surface.shading_normal);
+  if (!is_given) return;  // the rounding of its ray has moved it
+  const double size = largest(glm::abs(surface.position));
+  for (int axis = 0; axis < 3; ++axis)
+    surface.position[axis] = rounding.moved(surface.position[axis], 2 * UNIT_ROUNDOFF * size);
 }
+
+/// A walk on its way.
+struct Walk {
+  const World& world;
+  const Settings& settings;
+  uint32_t stream, sample;
+  const std::vector<GivenHit>* given;
+
+  glm::dvec4 block(uint32_t index) const { return random_block(settings, stream, sample, index); }
+
+  /// The vertex that a ray reaches from surface `start` (null: from none).
+  std::optional<WalkVertex> next_vertex(uint32_t bounce, Ray ray, const Surface* start, WalkState& state,
+                                        double cos_start, bool is_from_camera) const {
+    if (given != nullptr && bounce >= given->size()) return std::nullopt;
+    Rounding rounding(settings.rounding_pattern, stream, sample,
+                      (is_from_camera ? ROUNDING_CAMERA : ROUNDING_LIGHT) + bounce);
+    if (rounding.is_on()) {
+      ray = rounded(world, ray, start, rounding);
+      state.direction = ray.direction;
+    }
+    std::optional<Arrival> at = given == nullptr ? trace(world, ray) : follow(world, ray, (*given)[bounce]);
+    if (!at) return std::nullopt;
+    if (rounding.is_on()) round_surface(at->surface, given != nullptr, rounding);
+    return arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
+  }
+};
 
 /// Samples the next direction at a vertex and plays roulette with `survival` (a function of the step's
 /// weight). False if the walk ends there.
@@ -154,9 +204,9 @@ bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state
 }
 
 CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
-                               uint32_t pixel, uint32_t sample) {
-  const auto block = [&](uint32_t index) { return random_block(settings, pixel, sample, index); };
-  const dvec4 u_camera = block(DIMENSION_BLOCK_CAMERA);
+                               uint32_t pixel, uint32_t sample, const std::vector<GivenHit>* given) {
+  const Walk walk{world, settings, pixel, sample, given};
+  const dvec4 u_camera = walk.block(DIMENSION_BLOCK_CAMERA);
   const dvec2 centre = dvec2(pixel % camera.width(), pixel / camera.width()) + 0.5;
 
   CameraSubpath subpath;
@@ -171,9 +221,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   const Surface* start = nullptr;
   double cos_start = 1;
   for (uint32_t bounce = 0; bounce < settings.max_depth; ++bounce) {
-    std::optional<WalkVertex> vertex =
-        next_vertex(world, ray, start, state, cos_start, true,
-                    Rounding(settings.rounding_pattern, pixel, sample, ROUNDING_CAMERA + bounce));
+    const std::optional<WalkVertex> vertex = walk.next_vertex(bounce, ray, start, state, cos_start, true);
     if (!vertex) {
       subpath.escape = Escape{state.direction, cos_start, state.survival};
       break;
@@ -182,7 +230,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     WalkVertex& reached = subpath.vertices.back();
     if (bounce + 2 > settings.max_depth) break;
     const dvec4 u =
-        block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
+        walk.block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
     if (!scatter_from_camera(world, reached, state, bounce, u, subpath.regularization)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
@@ -192,11 +240,11 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   return subpath;
 }
 
-LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index,
-                             uint32_t iteration) {
-  const auto block = [&](uint32_t b) { return random_block(settings, index, iteration, b); };
-  const dvec4 u_point = block(DIMENSION_BLOCK_EMISSION);
-  const dvec4 u_direction = block(DIMENSION_BLOCK_EMISSION_DIRECTION);
+LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index, uint32_t iteration,
+                             const std::vector<GivenHit>* given) {
+  const Walk walk{world, settings, index, iteration, given};
+  const dvec4 u_point = walk.block(DIMENSION_BLOCK_EMISSION);
+  const dvec4 u_direction = walk.block(DIMENSION_BLOCK_EMISSION_DIRECTION);
 
   LightSubpath subpath;
   subpath.regularization = regularization_of(settings, iteration);
@@ -215,14 +263,12 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   double cos_start = is_surface ? std::abs(dot(state.direction, subpath.point.surface.geometric_normal)) : 1;
   state.throughput = subpath.end.emitted * cos_start / (subpath.end.point_pdf * subpath.end.density.value);
   for (uint32_t bounce = 0; bounce + 1 < settings.max_depth; ++bounce) {
-    std::optional<WalkVertex> vertex =
-        next_vertex(world, ray, start, state, cos_start, false,
-                    Rounding(settings.rounding_pattern, index, iteration, ROUNDING_LIGHT + bounce));
+    const std::optional<WalkVertex> vertex = walk.next_vertex(bounce, ray, start, state, cos_start, false);
     if (!vertex) break;
     subpath.vertices.push_back(*vertex);
     if (bounce + 2 == settings.max_depth) break;
     WalkVertex& reached = subpath.vertices.back();
-    const dvec4 u = block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
+    const dvec4 u = walk.block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
     if (!scatter_from_light(world, reached, state, bounce, u, subpath.regularization)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);

@@ -111,13 +111,21 @@ struct LightSubpath {
   std::vector<WalkVertex> vertices;
 };
 
-/// The camera path of a sample of a pixel, up to max_depth edges.
+/// A surface point where somebody else's walk arrived.
+struct GivenHit {
+  uint32_t triangle;
+  glm::dvec2 barycentrics;
+};
+
+/// The camera path of a sample of a pixel, up to max_depth edges. `given`, if not null: where it meets
+/// surfaces, one after the other. The walk then traces no ray, and ends where its own next direction does not
+/// lead to the next of them: a walk that is followed, without what its vertices' errors do to all later ones.
 CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
-                               uint32_t pixel, uint32_t sample);
+                               uint32_t pixel, uint32_t sample, const std::vector<GivenHit>* given = nullptr);
 
 /// Light path `index` of an iteration, up to max_depth - 1 edges (the last edge of a path is never its own).
-/// Precondition: the scene has lights.
-LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index,
-                             uint32_t iteration);
+/// `given` as above. Precondition: the scene has lights.
+LightSubpath walk_from_light(const World& world, const Settings& settings, uint32_t index, uint32_t iteration,
+                             const std::vector<GivenHit>* given = nullptr);
 
 }  // namespace regulus::reference

@@ -94,17 +94,25 @@ struct StageRecorder::Impl {
     return download<uint32_t>(buffers.ray_queues_, queue_count(bounce, QUEUE_RAYS), (bounce & 1u) * capacity);
   }
 
+  void fill(const gpu::Buffer& buffer, uint32_t word) {
+    gpu::CommandList commands(device);
+    commands.fill(buffer, 0, buffer.size(), word);
+    gpu::Submission submission = device.submit(std::move(commands));
+    device.wait(submission);
+  }
+
+  std::vector<Hit> trace_closest(Pass pass, const StageArguments& arguments) {
+    fill(buffers.hits_, INVALID_INDEX);  // a ray that misses leaves no hit
+    run(pass, "trace_closest", arguments);
+    return download<Hit>(buffers.hits_, paths);
+  }
+
   RecordedBounce record_bounce(Pass pass, const StageArguments& arguments) {
     const bool is_camera = pass == Pass::Camera;
     RecordedBounce recorded;
     recorded.slots = ray_queue(arguments.bounce);
     recorded.before = download<Path>(buffers.paths_, paths);
-    gpu::CommandList clear(device);
-    clear.fill(buffers.hits_, 0, buffers.hits_.size(), INVALID_INDEX);  // a ray that misses leaves no hit
-    gpu::Submission cleared = device.submit(std::move(clear));
-    device.wait(cleared);
-    run(pass, "trace_closest", arguments);
-    recorded.hits = download<Hit>(buffers.hits_, paths);
+    recorded.hits = trace_closest(pass, arguments);
     run(pass, "escape", arguments);
     run(pass, is_camera ? "camera_bounce" : "light_bounce", arguments);
     recorded.after = download<Path>(buffers.paths_, paths);
@@ -139,7 +147,9 @@ struct StageRecorder::Impl {
   }
 
   // Walks all light paths; returns how many vertices they have, all of which are stored.
-  uint32_t walk_light_paths(uint32_t sample, std::vector<SplatCandidate>& splats) {
+  uint32_t walk_light_paths(uint32_t sample, ConnectionRecording& recording) {
+    std::vector<SplatCandidate>& splats = recording.splats;
+    recording.light_hits.clear();
     start_wave(&buffers.light_vertex_count);
     if (buffers.splat_film.size() != 0) start_wave(&buffers.splat_film);
     splats.clear();
@@ -147,7 +157,7 @@ struct StageRecorder::Impl {
     run(Pass::Light, "light_generate", arguments);
     for (uint32_t bounce = 0; bounce + 1 < std::max(settings.max_depth, 2u); ++bounce) {
       arguments.bounce = bounce;
-      run(Pass::Light, "trace_closest", arguments);
+      recording.light_hits.push_back(trace_closest(Pass::Light, arguments));
       run(Pass::Light, "light_bounce", arguments);
       const auto queued = download<SplatCandidate>(buffers.splats_, queue_count(bounce, QUEUE_SPLATS));
       splats.insert(splats.end(), queued.begin(), queued.end());
@@ -156,7 +166,7 @@ struct StageRecorder::Impl {
     const auto count = download<uint32_t>(buffers.light_vertex_count, 1).front();
     if (count <= buffers.light_vertex_capacity()) return count;
     buffers.grow_light_vertices(device, count);
-    return walk_light_paths(sample, splats);
+    return walk_light_paths(sample, recording);
   }
 
   void scan_words(const gpu::Buffer& words, uint32_t count) {
@@ -180,10 +190,7 @@ struct StageRecorder::Impl {
     scan_words(buffers.light_path_ends, settings.light_paths);
     recording.path_ends = download<uint32_t>(buffers.light_path_ends, settings.light_paths);
 
-    gpu::CommandList clear(device);
-    clear.fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
-    gpu::Submission cleared = device.submit(std::move(clear));
-    device.wait(cleared);
+    fill(buffers.grid_cells, 0);
     const uint32_t cells = buffers.grid_cell_count() + 1;
     run_over("grid_count", arguments, vertices);
     recording.cell_counts = download<uint32_t>(buffers.grid_cells, cells);
@@ -197,8 +204,11 @@ struct StageRecorder::Impl {
   RecordedConnections record_bounce_connections(const StageArguments& arguments) {
     RecordedConnections recorded;
     recorded.slots = ray_queue(arguments.bounce);
-    run(Pass::Camera, "trace_closest", arguments);
+    recorded.hits = trace_closest(Pass::Camera, arguments);
+    fill(buffers.radiance_, 0);
+    run(Pass::Camera, "escape", arguments);
     run(Pass::Camera, "camera_bounce", arguments);
+    recorded.met = download<glm::vec3>(buffers.radiance_, paths);
     recorded.camera_vertices = download<PathVertex>(buffers.camera_vertices_, paths);
     for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c) {
       const auto queued =
@@ -259,9 +269,9 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
 ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample) {
   Impl& impl = *impl_;
   ConnectionRecording recording;
-  recording.expected_vertices = impl.walk_light_paths(0, recording.splats);
+  recording.expected_vertices = impl.walk_light_paths(0, recording);
   impl.buffers.expect_light_vertices(impl.device, recording.expected_vertices);
-  const uint32_t vertices = impl.walk_light_paths(sample, recording.splats);
+  const uint32_t vertices = impl.walk_light_paths(sample, recording);
   const StageArguments arguments = impl.arguments_of(sample);
   recording.merge_radius = arguments.merge_radius;
   recording.heads = impl.download<LightPathHead>(impl.buffers.light_heads_, impl.settings.light_paths);

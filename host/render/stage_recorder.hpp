@@ -33,7 +33,9 @@ struct Recording {
 
 /// The connections and merges of a bounce of a wave of camera paths. Lists unless they say otherwise.
 struct RecordedConnections {
-  std::vector<uint32_t> slots;                                ///< traced in this bounce
+  std::vector<uint32_t> slots;       ///< traced in this bounce
+  std::vector<interface::Hit> hits;  ///< by slot; triangle INVALID_INDEX: missed
+  std::vector<glm::vec3> met;        ///< by slot: emitted light that the ray met, technique `hit`
   std::vector<interface::PathVertex> camera_vertices;         ///< by slot; edges 0: none
   std::vector<interface::ConnectionPair> pairs;               ///< of all material classes
   std::vector<interface::VisibilityCandidate> light_samples;  ///< candidates of technique `nee`
@@ -43,16 +45,17 @@ struct RecordedConnections {
 
 /// An iteration: a wave of light paths, what is made of their vertices, and a wave of camera paths.
 struct ConnectionRecording {
-  float merge_radius = 0;                       ///< m
-  uint32_t expected_vertices = 0;               ///< light vertices of iteration 0, with which weights reckon
-  std::vector<interface::LightPathHead> heads;  ///< by light path
-  std::vector<interface::PathVertex> light_vertices;  ///< in the order in which they were stored
-  std::vector<interface::SplatCandidate> splats;      ///< of all bounces
-  std::vector<glm::dvec3> splat_film;                 ///< by pixel: what trace_splats made of them
-  std::vector<uint32_t> path_counts, path_ends;       ///< by light path, before and after the scan
-  std::vector<uint32_t> cell_counts, cell_ends;       ///< by cell and one more, likewise
-  std::vector<uint32_t> ranks;                        ///< by light vertex: its place in its cell
-  std::vector<interface::GridEntry> entries;          ///< of the grid
+  float merge_radius = 0;          ///< m
+  uint32_t expected_vertices = 0;  ///< light vertices of iteration 0, with which weights reckon
+  std::vector<std::vector<interface::Hit>> light_hits;  ///< by bounce and light path, as above
+  std::vector<interface::LightPathHead> heads;          ///< by light path
+  std::vector<interface::PathVertex> light_vertices;    ///< in the order in which they were stored
+  std::vector<interface::SplatCandidate> splats;        ///< of all bounces
+  std::vector<glm::dvec3> splat_film;                   ///< by pixel: what trace_splats made of them
+  std::vector<uint32_t> path_counts, path_ends;         ///< by light path, before and after the scan
+  std::vector<uint32_t> cell_counts, cell_ends;         ///< by cell and one more, likewise
+  std::vector<uint32_t> ranks;                          ///< by light vertex: its place in its cell
+  std::vector<interface::GridEntry> entries;            ///< of the grid
   std::vector<RecordedConnections> bounces;
 };
 
