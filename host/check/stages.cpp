@@ -113,28 +113,9 @@ class StageChecker {
       const double wanted = largest(dvec3(candidate.contribution));
       if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.path])))
         continue;  // lost in the sum either way
-      const bool is_open = largest(added) > 0.5 * wanted;
-      reference::Ray ray{dvec3(candidate.origin), normalize(dvec3(candidate.direction))};
-      ray.decision = {candidate.origin, candidate.direction};
-      if (candidate.t_max < 1e38F) ray.t_max = candidate.t_max;
-      if (is_open != subject_.world.traversal().is_occluded(ray)) {
-        tally.add_error(0);
-        continue;
-      }
-      bool can_agree = false;
-      for (int k = 0; k < JITTERS && !can_agree; ++k) {
-        reference::Ray other = ray;
-        other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
-        other.direction = normalize(moved(ray.direction, 4 * ULP, k + 7));
-        other.t_max = ray.t_max * (1 + 16 * ULP * sign_of(k, 5));
-        can_agree = is_open != subject_.world.traversal().is_occluded(other);
-      }
-      tally.add_difference(can_agree ? Difference::Edge : Difference::Real);
-      if (!can_agree)
-        tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}",
-                                   candidate.path, is_open ? "open" : "occluded", text_of(ray.origin),
-                                   text_of(ray.direction), ray.t_max));
+      compare_segment(candidate, largest(added) > 0.5 * wanted, tally);
     }
+    for (const render::Probe& probe : bounce.probes) compare_segment(probe.segment, probe.is_open, tally);
   }
 
  private:
@@ -143,6 +124,29 @@ class StageChecker {
     dvec3 position, direction, throughput;
     uint32_t medium = INVALID_INDEX;
   };
+
+  void compare_segment(const VisibilityCandidate& candidate, bool is_open, Tally& tally) const {
+    reference::Ray ray{dvec3(candidate.origin), normalize(dvec3(candidate.direction))};
+    ray.decision = {candidate.origin, candidate.direction};
+    if (candidate.t_max < 1e38F) ray.t_max = candidate.t_max;
+    if (is_open != subject_.world.traversal().is_occluded(ray)) {
+      tally.add_error(0);
+      return;
+    }
+    bool can_agree = false;
+    for (int k = 0; k < JITTERS && !can_agree; ++k) {
+      reference::Ray other = ray;
+      other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
+      other.direction = normalize(moved(ray.direction, 4 * ULP, k + 7));
+      other.t_max = ray.t_max * (1 + 16 * ULP * sign_of(k, 5));
+      can_agree = is_open != subject_.world.traversal().is_occluded(other);
+    }
+    tally.add_difference(can_agree ? Difference::Edge : Difference::Real);
+    if (!can_agree)
+      tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}", candidate.path,
+                                 is_open ? "open" : "occluded", text_of(ray.origin), text_of(ray.direction),
+                                 ray.t_max));
+  }
 
   /// What one relative rounding does to t: of the plane (origin and coordinates), seen at the ray's cosine,
   /// and of the triangle's edge functions, which err by E^2 each, with E the distance to the farthest vertex,

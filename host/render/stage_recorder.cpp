@@ -123,7 +123,34 @@ struct StageRecorder::Impl {
     recorded.radiance_before_visibility = download<glm::vec3>(buffers.radiance_, paths);
     run(pass, "trace_visibility", arguments);
     recorded.radiance = download<glm::vec3>(buffers.radiance_, paths);
+    if ((settings.techniques & TECHNIQUE_NEE) != 0) {
+      for (const float share : {1 - PROBE_MARGIN, 1 + PROBE_MARGIN}) probe(arguments, share, recorded);
+      device.upload(buffers.radiance_, 0, gpu::bytes_of(recorded.radiance));
+    }
     return recorded;
+  }
+
+  // Segments along the rays of the bounce of `share` times the distance to what they hit. Of each path there
+  // is one, and its radiance tells whether it is open.
+  void probe(const StageArguments& arguments, float share, RecordedBounce& recorded) {
+    std::vector<VisibilityCandidate> segments;
+    for (const uint32_t slot : recorded.slots) {
+      const Path& path = recorded.before[slot];
+      const Hit& hit = recorded.hits[slot];
+      if (hit.triangle == INVALID_INDEX) continue;
+      segments.push_back({path.origin, share * hit.t, path.direction, slot, glm::vec3(1)});
+    }
+    if (segments.empty()) return;
+    const auto count = static_cast<uint32_t>(segments.size());
+    const QueueHead head{(count + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE, 1, 1, count};
+    const size_t place = size_t{arguments.bounce} * QUEUES_PER_BOUNCE + QUEUE_VISIBILITY;
+    device.upload(buffers.candidates_, 0, gpu::bytes_of(segments));
+    device.upload(buffers.queue_heads, place * sizeof(QueueHead), gpu::bytes_of(head));
+    fill(buffers.radiance_, 0);
+    run(Pass::Camera, "trace_visibility", arguments);
+    const auto radiance = download<glm::vec3>(buffers.radiance_, paths);
+    for (const VisibilityCandidate& segment : segments)
+      recorded.probes.push_back({segment, radiance[segment.path].r > 0});
   }
 
   // ---- connections and merges

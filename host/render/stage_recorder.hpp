@@ -13,6 +13,12 @@
 
 namespace regulus::render {
 
+/// A segment that trace_visibility was given beside the candidates.
+struct Probe {
+  interface::VisibilityCandidate segment;  ///< contribution 1
+  bool is_open = false;
+};
+
 /// A bounce of a wave. Arrays are by path slot unless they say otherwise.
 struct RecordedBounce {
   std::vector<uint32_t> slots;                             ///< list: traced in this bounce
@@ -23,6 +29,9 @@ struct RecordedBounce {
   std::vector<interface::VisibilityCandidate> candidates;  ///< list: light samples
   std::vector<glm::vec3> radiance_before_visibility;
   std::vector<glm::vec3> radiance;  ///< after trace_visibility
+  /// List: segments along this bounce's rays that end PROBE_MARGIN of their length short of what was hit, and
+  /// the same beyond it. Few candidates end so near an occluder that the end would matter.
+  std::vector<Probe> probes;
 };
 
 /// A wave: camera paths or light paths.
@@ -30,6 +39,9 @@ struct Recording {
   std::vector<interface::Path> generated;  ///< by slot; slot s holds path first_path + s
   std::vector<RecordedBounce> bounces;
 };
+
+/// See RecordedBounce::probes.
+inline constexpr float PROBE_MARGIN = 1e-3F;
 
 /// The connections and merges of a bounce of a wave of camera paths. Lists unless they say otherwise.
 struct RecordedConnections {

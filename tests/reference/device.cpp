@@ -156,6 +156,8 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
            if (glm::length(candidate.contribution) > 1e-3F) break;
          }
        }},
+      {"a shadow segment that ends too early", Pass::Camera, 3,
+       [](Recording& r) { r.bounces[0].probes.back().is_open = true; }},
       {"emitted power", Pass::Light, 0, [](Recording& r) { r.generated[3].throughput *= 1.001F; }},
       {"light path's throughput", Pass::Light, 2,
        [](Recording& r) { r.bounces[0].after[first_hit(r.bounces[0])].throughput *= 1.001F; }},
@@ -246,26 +248,34 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
       {"grid_count", [](auto& r) { ++r.ranks[5]; }},
       {"scan_grid", [](auto& r) { ++r.cell_ends[100]; }},
       {"grid_scatter", [](auto& r) { r.entries[8].vertex = r.entries[9].vertex; }},
+      {"walks followed",
+       [](auto& r) {
+         for (auto& hit : r.bounces[1].hits) hit.u *= 0.9F;
+       }},
       {"connection pairs", [](auto& r) { r.bounces[0].pairs.pop_back(); }},
+      {"hit",
+       [](auto& r) {
+         for (auto& met : r.bounces[1].met) met *= 1.0003F;
+       }},
       {"connect",
        [](auto& r) {
-         for (auto& candidate : r.bounces[0].connections) candidate.contribution *= 1.003F;
+         for (auto& candidate : r.bounces[0].connections) candidate.contribution *= 1.0003F;
        }},
       {"merge",
        [](auto& r) {
-         for (auto& sum : r.bounces[0].merged) sum *= 1.003;
+         for (auto& sum : r.bounces[0].merged) sum *= 1.0003;
        }},
       {"splats",
        [](auto& r) {
-         for (auto& splat : r.splats) splat.segment.contribution *= 1.003F;
+         for (auto& splat : r.splats) splat.segment.contribution *= 1.0003F;
        }},
       {"weights (absolute)",
        [](auto& r) {
-         for (auto& candidate : r.bounces[0].light_samples) candidate.contribution *= 1.0001F;
+         for (auto& candidate : r.bounces[0].light_samples) candidate.contribution *= 1.00005F;
        }},
       {"trace_splats",
        [](auto& r) {
-         for (auto& sum : r.splat_film) sum *= 1.003;
+         for (auto& sum : r.splat_film) sum *= 1.0003;
        }},
   };
   for (const auto& [name, plant] : faults) {
