@@ -2,6 +2,7 @@
 // a scene.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -48,6 +49,19 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
 /// The image of one iteration by a set of techniques, pixel by pixel: connections, merges and splats with
 /// their weights.
 Tally check_image(gpu::Device& device, const Subject& subject, const char* name, uint32_t techniques);
+
+/// What a statistical test of images found.
+struct ImageTest {
+  std::string line;
+  bool is_passed;
+};
+
+/// Student's t over `batches` >= 2 independent seeds of the device's image and of as many others: of the
+/// reference, or of the device with other techniques that must find the same light. Of pixels, tiles and the
+/// whole image, each channel; the false-alarm rate of all together is 1e-4. A systematic difference of the
+/// relative size `tolerance` is not counted. See image::test_equal.
+std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subject, uint32_t batches,
+                                        std::optional<uint32_t> other_techniques, double tolerance);
 
 /// One camera path in full from both backends: vertices, bsdfs, pdfs, and every path that ends on it with the
 /// weights of all techniques. `recording` holds the path in slot 0.

@@ -31,8 +31,11 @@ constexpr const char* BLENDED =
 
 struct CheckOptions {
   RenderOptions render;
-  std::string path;      ///< x,y,sample; empty: check everything
-  uint64_t weights = 0;  ///< how many to compare; 0: check everything
+  std::string path;         ///< x,y,sample; empty: check everything
+  uint64_t weights = 0;     ///< how many to compare; 0: check everything
+  uint32_t statistics = 0;  ///< batches of images to compare; 0: check everything
+  std::string against;      ///< with statistics: a technique set; empty: the reference
+  double tolerance = 1e-5;  ///< with statistics, relative
 };
 
 struct PathName {
@@ -157,6 +160,21 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
   return is_passed;
 }
 
+bool check_images(gpu::Device& device, const check::Subject& subject, const CheckOptions& options) {
+  std::optional<uint32_t> other;
+  if (!options.against.empty()) other = parse_technique_set(options.against);
+  fmt::print("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
+             subject.settings.samples, subject.settings.width, subject.settings.height,
+             other ? options.against : "the reference");
+  bool is_passed = true;
+  for (const check::ImageTest& test :
+       check_statistics(device, subject, options.statistics, other, options.tolerance)) {
+    fmt::print("{}\n", test.line);
+    is_passed = test.is_passed && is_passed;
+  }
+  return is_passed;
+}
+
 void run_check(CLI::App& command, CheckOptions& options) {
   if (options.render.size.empty() && options.path.empty()) options.render.size = DEFAULT_SIZE;
   scene::Scene scene = scene::load(options.render.scene_file, load_options(options.render));
@@ -176,8 +194,11 @@ void run_check(CLI::App& command, CheckOptions& options) {
     throw Error(ExitStatus::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));
   if (options.path.empty()) {
     if (options.weights > 0) fmt::print("{}\n", check::Tally::header());
-    if (!(options.weights > 0 ? check_sorted_and_connected(device, subject, options.weights)
-                              : check_everything(device, subject)))
+    const bool is_passed = options.statistics > 0 ? check_images(device, subject, options)
+                           : options.weights > 0
+                               ? check_sorted_and_connected(device, subject, options.weights)
+                               : check_everything(device, subject);
+    if (!is_passed)
       throw Error(ExitStatus::Failed,
                   fmt::format("{}: device and reference differ, see above", scene.path.string()));
     return;
@@ -199,6 +220,18 @@ void add_check_command(CLI::App& app) {
   command->add_option("--path", options->path, "Print one camera path from both in full: x,y,sample");
   command->add_option("--weights", options->weights,
                       "Only connections, merges and splats, until so many weights have been compared");
+  command
+      ->add_option("--statistics", options->statistics,
+                   "Only images: test by pixels, over so many independent seeds, that device and reference "
+                   "have the same mean")
+      ->check(CLI::Range(2, 1000));
+  command->add_option("--against", options->against,
+                      "With --statistics: not the reference, but the device with another integrator or list "
+                      "of techniques");
+  command
+      ->add_option("--tolerance", options->tolerance,
+                   "With --statistics: relative difference that is not counted, such as the blur of merges")
+      ->check(CLI::NonNegativeNumber);
   command->callback([command, options] { run_check(*command, *options); });
 }
 

@@ -379,6 +379,11 @@ void lift_sample_limit(const CLI::App& command, RenderOptions& options) {
     options.has_no_sample_limit = true;
 }
 
+uint32_t parse_technique_set(const std::string& text) {
+  const auto integrator = INTEGRATORS.find(text);
+  return parse_techniques(integrator == INTEGRATORS.end() ? text : integrator->second);
+}
+
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene) {
   render::RenderSettings settings = options.settings;
   if (options.has_no_sample_limit) settings.samples = MAX_SAMPLES;

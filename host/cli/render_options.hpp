@@ -60,6 +60,10 @@ void lift_sample_limit(const CLI::App& command, RenderOptions& options);
 /// @throws regulus::Error (BadFile) for a value the option does not take
 void apply_scene_settings(CLI::App& command, scene::Scene& scene);
 
+/// TECHNIQUE_* bits of an integrator's name or of a comma-separated list of techniques. @throws
+/// regulus::Error (BadUsage).
+uint32_t parse_technique_set(const std::string& text);
+
 /// The settings of the render once the scene is known: size, camera, techniques resolved.
 /// @throws regulus::Error (BadUsage) naming the option
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene);

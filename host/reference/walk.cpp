@@ -74,16 +74,20 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const GivenHit
 }
 
 /// A surface point as single precision has it.
-void round_surface(Surface& surface, bool is_given, Rounding& rounding) {
+void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
   for (int axis = 0; axis < 2; ++axis)
     surface.uv[axis] = rounding.moved(surface.uv[axis], 2 * UNIT_ROUNDOFF * std::abs(surface.uv[axis]));
   for (int axis = 0; axis < 3; ++axis)
     surface.shading_normal[axis] = rounding.moved(surface.shading_normal[axis], 2 * UNIT_ROUNDOFF);
   surface.shading_normal = normalize(surface.shading_normal);
   if (!is_given) return;  // the rounding of its ray has moved it
-  const double size = largest(glm::abs(surface.position));
+  // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
+  double size = 0;
+  const Triangle& triangle = world.scene().triangles[surface.triangle];
+  for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2})
+    size = std::max(size, largest(glm::abs(dvec3(world.scene().vertices[vertex].position))));
   for (int axis = 0; axis < 3; ++axis)
-    surface.position[axis] = rounding.moved(surface.position[axis], 2 * UNIT_ROUNDOFF * size);
+    surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
 }
 
 /// A walk on its way.
@@ -107,7 +111,7 @@ struct Walk {
     }
     std::optional<Arrival> at = given == nullptr ? trace(world, ray) : follow(world, ray, (*given)[bounce]);
     if (!at) return std::nullopt;
-    if (rounding.is_on()) round_surface(at->surface, given != nullptr, rounding);
+    if (rounding.is_on()) round_surface(world, at->surface, given != nullptr, rounding);
     return arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
   }
 };

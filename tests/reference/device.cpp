@@ -45,6 +45,22 @@ class Checked {
   }
   std::vector<Tally> paths(const Recording& recording) const { return check_paths(subject(), recording); }
 
+  /// Path-traced images of both, by pixels, of paths of so many edges in the reference.
+  std::vector<check::ImageTest> statistics(uint32_t reference_depth) const {
+    render::RenderSettings asked = recorder_.settings();
+    asked.width = asked.height = 12;
+    asked.samples = 4;
+    asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
+    reference::Settings wanted = reference_;
+    wanted.width = wanted.height = 12;
+    wanted.samples = 4;
+    wanted.techniques = asked.techniques;
+    wanted.max_depth = reference_depth;
+    return check::check_statistics(
+        *device(), {prepared_.scene, prepared_.bvh, world_, camera_, asked, wanted}, 9, std::nullopt, 1e-5);
+  }
+  uint32_t max_depth() const { return reference_.max_depth; }
+
  private:
   static constexpr uint32_t SIZE = 48;
 
@@ -114,6 +130,16 @@ INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,
                          testing::Values("cornell/cornell.gltf", "plates/plates.gltf",
                                          "furnace/furnace-point.gltf", "smallvcm/smallvcm-background.gltf",
                                          "gallery/gallery.gltf"));
+
+TEST(DeviceStatistics, ImagesHaveTheReferencesMeanAndMissingLightIsFound) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  const Checked checked("furnace/furnace-point.gltf");
+  for (const check::ImageTest& test : checked.statistics(checked.max_depth())) {
+    std::printf("%s\n", test.line.c_str());
+    EXPECT_TRUE(test.is_passed);
+  }
+  EXPECT_FALSE(checked.statistics(4).back().is_passed);
+}
 
 struct Fault {
   const char* name;

@@ -40,10 +40,6 @@ double chi_square_survival(double statistic, double degrees_of_freedom) {
   return x < a + 1 ? 1 - lower_gamma_series(a, x) : upper_gamma_fraction(a, x);
 }
 
-double significance_per_test(double family_rate, int tests) {
-  return -std::expm1(std::log1p(-family_rate) / tests);
-}
-
 ChiSquare chi_square_test(std::span<const double> observed, std::span<const double> expected) {
   ChiSquare result;
   double pooled_observed = 0;

@@ -7,14 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "image/comparison.hpp"
+
 namespace regulus::test {
 
 /// Probability that a chi-square variable of `degrees_of_freedom` exceeds `statistic`.
 double chi_square_survival(double statistic, double degrees_of_freedom);
 
-/// Significance of each of `tests` independent tests that together raise a false alarm with probability
-/// `family_rate` (Sidak).
-double significance_per_test(double family_rate, int tests);
+using image::significance_per_test;
 
 struct ChiSquare {
   double statistic = 0;

@@ -5,7 +5,9 @@
 #include <cstdio>
 #include <limits>
 #include <sstream>
+#include <tuple>
 
+#include "image/comparison.hpp"
 #include "image_files.hpp"
 #include "support/random.hpp"
 
@@ -72,6 +74,46 @@ std::string output_of(const std::string& command) {
   for (int c; (c = std::fgetc(pipe)) != EOF;) output.push_back(static_cast<char>(c));
   ::pclose(pipe);
   return output;
+}
+
+// Quantiles of Student's t from the tables (two-sided 5 %, and 0.1 % for 8 degrees of freedom).
+TEST(Comparison, StudentsTHasItsQuantiles) {
+  for (const auto& [degrees, t, p] : {std::tuple{1, 12.706205, 0.05},
+                                      {2, 4.302653, 0.05},
+                                      {3, 3.182446, 0.05},
+                                      {8, 2.306004, 0.05},
+                                      {8, 5.041305, 0.001},
+                                      {15, 2.131450, 0.05},
+                                      {16, 2.119905, 0.05}})
+    EXPECT_NEAR(image::student_two_sided(t, degrees), p, 1e-6 * p + 1e-8) << degrees;
+}
+
+// Of 400 comparisons of equal sets at a false-alarm rate of 5 %, 20 raise one, give or take 4.4; and sets
+// that differ by five standard errors of the whole image are told apart.
+TEST(Comparison, RaisesFalseAlarmsAtItsRateAndSeesADifference) {
+  constexpr int REPETITIONS = 400, BATCHES = 8;
+  Random random(6);
+  const auto batches = [&](double offset) {
+    std::vector<image::Image> images;
+    for (int i = 0; i < BATCHES; ++i)
+      images.push_back(make_image(6, 4, [&](size_t) {
+        double sum = offset;  // nearly normal, variance 1
+        for (int k = 0; k < 12; ++k) sum += random.uniform() - 0.5;
+        return static_cast<float>(sum + 10);
+      }));
+    return images;
+  };
+  image::ComparisonOptions options;
+  options.false_alarm_rate = 0.05;
+  options.tile = 2;
+  int alarms = 0;
+  for (int i = 0; i < REPETITIONS; ++i)
+    alarms += image::test_equal(batches(0), batches(0), options).is_passed() ? 0 : 1;
+  std::printf("%d false alarms of %d (expected at most %g)\n", alarms, REPETITIONS, 0.05 * REPETITIONS);
+  // n - 1 degrees of freedom where Welch's formula has nearly 2 (n - 1): fewer alarms than asked for.
+  EXPECT_LE(alarms, 0.05 * REPETITIONS + 4 * 4.4);
+  options.tile = 6;
+  EXPECT_FALSE(image::test_equal(batches(0), batches(0.55), options).is_passed());
 }
 
 TEST(Metrics, AgreeWithOpenImageIo) {
