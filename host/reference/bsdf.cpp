@@ -35,7 +35,9 @@ dvec3 reflection_half_vector(const dvec3& wo, const dvec3& wi) {
 }
 
 dvec3 refraction_half_vector(const dvec3& wo, const dvec3& wi, double eta) {
-  const dvec3 h = normalize(wo + eta * wi);
+  const dvec3 sum = wo + eta * wi;
+  if (sum == dvec3(0)) return sum;  // no bend at all, and no facet that makes one
+  const dvec3 h = normalize(sum);
   return h.z < 0 ? -h : h;
 }
 
@@ -131,7 +133,7 @@ double Bsdf::refraction_pdf(const dvec3& wo, const dvec3& wi, double eta) const 
 }
 
 double Bsdf::coat_reflectance(const dvec3& w) const {
-  return coat_towards(w) * (0.04 + 0.96 * std::pow(1 - std::abs(w.z), 5));
+  return coat_towards(w) * (0.04 + 0.96 * std::pow(std::max(1 - std::abs(w.z), 0.0), 5));
 }
 
 dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
@@ -142,7 +144,7 @@ dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
   const dvec3 up_o(wo.x, wo.y, std::abs(wo.z));
   const dvec3 up_i(wi.x, wi.y, std::abs(wi.z));
   const dvec3 h = reflection_half_vector(up_o, up_i);
-  const double fresnel = coat_towards(wo) * (0.04 + 0.96 * std::pow(1 - dot(up_o, h), 5));
+  const double fresnel = coat_towards(wo) * (0.04 + 0.96 * std::pow(std::max(1 - dot(up_o, h), 0.0), 5));
   return value + fresnel * distribution(coat_, h) *
                      masking_shadowing(coat_, up_i, up_o, h, Scattering::Reflection) / (4 * up_i.z * up_o.z);
 }

@@ -135,7 +135,8 @@ double luminance(const glm::dvec3& color);
 /// Half vector of a reflection: unit, between wi and wo.
 glm::dvec3 reflection_half_vector(const glm::dvec3& wo, const glm::dvec3& wi);
 
-/// Half vector of a refraction with index `eta` = n(wi side) / n(wo side): unit, z > 0. Walter 2007, eq. 16.
+/// Half vector of a refraction with index `eta` = n(wi side) / n(wo side): unit, z > 0; zero for eta = 1 and
+/// opposite directions. Walter 2007, eq. 16.
 glm::dvec3 refraction_half_vector(const glm::dvec3& wo, const glm::dvec3& wi, double eta);
 
 /// Mirror direction of wo at h.

@@ -38,7 +38,7 @@ double fresnel_dielectric_average(double eta) {
 }
 
 dvec3 fresnel_metal(const dvec3& base, double cos_incident) {
-  return base + (1.0 - base) * std::pow(1 - cos_incident, 5);
+  return base + (1.0 - base) * std::pow(std::max(1 - cos_incident, 0.0), 5);
 }
 
 SpecularDielectric SpecularDielectric::make(double eta, double specular, const dvec3& specular_color) {

@@ -136,13 +136,20 @@ float transmitted_luminance(Bsdf bsdf, vec2 position) {
 // Share of light that a clearcoat of this weight reflects at cosine c.
 float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
 
-// Probability of sampling the coat from a direction with cosine c on a side with that coat, and the base's Fresnel
-// position: by what coat and base would reflect or transmit.
-float coat_probability(Bsdf bsdf, float weight, float c, vec2 position) {
+// And what it leaves, accurate also at grazing, where that is little: 1 - (1 - c)^5 by its factor c.
+float coat_transmittance(float weight, float c) {
+  float schlick_rest = c * (5.0 + c * (-10.0 + c * (10.0 + c * (-5.0 + c))));
+  return (1.0 - weight) + weight * (1.0 - COAT_F0) * clamp(schlick_rest, 0.0, 1.0);
+}
+
+// Probabilities of sampling the coat and the base from a direction with cosine c on a side with that coat, and the
+// base's Fresnel position: by what coat and base would reflect or transmit.
+vec2 coat_choice(Bsdf bsdf, float weight, float c, vec2 position) {
   float coat = coat_reflectance(weight, c);
   float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
                reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
-  return coat > 0.0 ? coat / (coat + (1.0 - coat) * max(base, 0.0)) : 0.0;
+  float below = coat_transmittance(weight, c) * max(base, 0.0);
+  return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
 }
 
 // Probability of sampling the diffuse lobe from a direction with cosine c and that Fresnel position.
@@ -208,7 +215,8 @@ Bsdf make_bsdf(Material material, bool is_front) {
   bsdf.min_position = -darkest / max(bsdf.f90 - darkest, 1e-6);
 
   vec3 albedo = (1.0 - transmission) * dielectric;
-  vec3 mean_transmittance = (1.0 - bsdf.f90) + (1.0 - fresnel_mean_position(x)) * range;
+  float mean_position = max(fresnel_mean_position(x), bsdf.min_position);
+  vec3 mean_transmittance = (1.0 - bsdf.f90) + (1.0 - mean_position) * range;
   bsdf.diffuse = albedo / max(mean_transmittance, 1e-6);
 
   float dielectric_share = 1.0 - bsdf.metallic;
@@ -247,19 +255,19 @@ struct Lobes {
 void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec2 position_i, inout Lobes lobes) {
   float cos_i = abs(wi.z);
   float coat_i = facet.is_transmitted ? bsdf.coat_across : bsdf.coat;
-  float passed = (1.0 - coat_reflectance(bsdf.coat, wo.z)) * (1.0 - coat_reflectance(coat_i, cos_i));
+  float passed = coat_transmittance(bsdf.coat, wo.z) * coat_transmittance(coat_i, cos_i);
   lobes.diffuse *= passed;
   lobes.weight *= passed;
-  float chosen_o = coat_probability(bsdf, bsdf.coat, wo.z, position_o);
-  float chosen_i = coat_probability(bsdf, coat_i, cos_i, position_i);
-  lobes.diffuse_forward *= 1.0 - chosen_o;
-  lobes.choice_forward *= 1.0 - chosen_o;
-  lobes.diffuse_reverse *= 1.0 - chosen_i;
-  lobes.choice_reverse *= 1.0 - chosen_i;
+  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, position_o);
+  vec2 chosen_i = coat_choice(bsdf, coat_i, cos_i, position_i);
+  lobes.diffuse_forward *= chosen_o.y;
+  lobes.choice_forward *= chosen_o.y;
+  lobes.diffuse_reverse *= chosen_i.y;
+  lobes.choice_reverse *= chosen_i.y;
   if (facet.is_transmitted || !(bsdf.coat > 0.0)) return;
   lobes.coat_weight = coat_reflectance(bsdf.coat, facet.o_dot_h);
-  lobes.coat_forward = chosen_o;
-  lobes.coat_reverse = chosen_i;
+  lobes.coat_forward = chosen_o.x;
+  lobes.coat_reverse = chosen_i.x;
   lobes.coat_terms =
       microfacet_terms(wo, wi, facet.h, facet.o_dot_h, facet.i_dot_h, max(bsdf.coat_alpha, vec2(MIN_ALPHA)), false);
   if (bsdf.coat_alpha.x > 0.0) lobes.coat_density = min(0.25 * lobes.coat_terms.density, MAX_DENSITY);
@@ -442,16 +450,16 @@ void add_coat_to_delta(Bsdf bsdf, vec3 wo, FacetEvent event, inout BsdfEval eval
   bool is_transmitted = event.facet.is_transmitted;
   float cos_i = abs(event.wi.z);
   float coat_i = is_transmitted ? bsdf.coat_across : bsdf.coat;
-  float chosen_o = coat_probability(bsdf, bsdf.coat, wo.z, event.position);
-  float chosen_i = coat_probability(bsdf, coat_i, cos_i, event.position);
+  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, event.position);
+  vec2 chosen_i = coat_choice(bsdf, coat_i, cos_i, event.position);
   float base = bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
-  eval.value *= base * (1.0 - coat_reflectance(bsdf.coat, wo.z)) * (1.0 - coat_reflectance(coat_i, cos_i));
-  eval.pdf_forward *= base * (1.0 - chosen_o);
-  eval.pdf_reverse *= base * (1.0 - chosen_i);
+  eval.value *= base * coat_transmittance(bsdf.coat, wo.z) * coat_transmittance(coat_i, cos_i);
+  eval.pdf_forward *= base * chosen_o.y;
+  eval.pdf_reverse *= base * chosen_i.y;
   if (is_transmitted || bsdf.coat_alpha.x > 0.0) return;
   eval.value += coat_reflectance(bsdf.coat, wo.z);
-  eval.pdf_forward += chosen_o;
-  eval.pdf_reverse += chosen_i;
+  eval.pdf_forward += chosen_o.x;
+  eval.pdf_reverse += chosen_i.x;
 }
 
 // Factor and discrete probabilities of a delta event (alpha = 0, h = z). The reverse walk meets the surface at
@@ -491,7 +499,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   if (bsdf_has_specular()) {
     vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
-    float coat_o = bsdf_has_coat() ? coat_probability(bsdf, bsdf.coat, wo.z, s_o) : 0.0;
+    float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, s_o).x : 0.0;
     is_coat = bsdf_has_coat() && u_lobe < coat_o;
     if (bsdf_has_coat()) {
       u_lobe = is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);

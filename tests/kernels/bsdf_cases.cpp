@@ -211,6 +211,82 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
   return sum;
 }
 
+namespace {
+
+constexpr double PI = 3.14159265358979;
+
+vec3 direction(double theta, double phi) {
+  return glm::dvec3(std::sin(theta) * std::cos(phi), std::sin(theta) * std::sin(phi), std::cos(theta));
+}
+
+/// All combinations of extreme material parameters of one kind.
+std::vector<Material> extreme_materials(Kind kind) {
+  std::vector<Material> materials;
+  for (const float alpha : {0.0f, 1e-12f, 1e-7f, 1e-5f, 1e-3f, 0.05f, 0.5f, 1.0f})
+    for (const double ior : {1.0, 1 + 1.2e-7, 1.0001, 1.5, 4.0, 10.0, 1e6}) {
+      Material material = plain_material(kind, std::sqrt(alpha));
+      material.ior = static_cast<float>(ior);
+      materials.push_back(material);
+    }
+  Material black = plain_material(kind, 0.5f);
+  black.base_color = vec3(0);
+  black.specular = 0;
+  materials.push_back(black);
+  Material coloured = plain_material(kind, 0.3f);
+  coloured.specular_color = {100, 0, 1};
+  coloured.ior = 5;
+  materials.push_back(coloured);
+  return materials;
+}
+
+/// wi that meet wo in the places where formulas divide by zero.
+std::vector<vec3> extreme_partners(const vec3& wo, float ior, bool is_front) {
+  std::vector<vec3> partners = {
+      {-wo.x, -wo.y, wo.z}, wo, -wo, {wo.x, wo.y, -wo.z}, normalize(vec3(-wo.x, -wo.y, 1e-6f))};
+  for (const double theta :
+       {0.0, 1e-6, 0.7, PI / 2 - 1e-3, PI / 2 - 1e-6, PI / 2 + 1e-6, PI / 2 + 0.1, PI - 1e-6})
+    partners.push_back(direction(theta, 2.0));
+  // Refraction at the mean normal, and past the critical angle from the dense side.
+  const float eta = is_front ? ior : 1 / ior;
+  const float sin2 = (wo.x * wo.x + wo.y * wo.y) / (eta * eta);
+  partners.push_back({-wo.x / eta, -wo.y / eta, -std::sqrt(std::max(0.0f, 1 - sin2))});
+  return partners;
+}
+
+}  // namespace
+
+std::vector<BsdfCase> extreme_cases(uint32_t material_class) {
+  std::vector<BsdfCase> cases;
+  for (const Kind kind : ALL_KINDS) {
+    if (material_class_of(kind) != material_class) continue;
+    for (const Material& material : extreme_materials(kind))
+      for (const bool is_front : {true, false}) {
+        const double critical = std::asin(std::min(1.0, 1.0 / material.ior));
+        for (const double theta : {0.0, 1e-6, 1e-3, 0.8, critical, std::nextafter(critical, 2.0),
+                                   critical - 1e-6, PI / 2 - 1e-3, PI / 2 - 1e-6, PI / 2 + 1e-3}) {
+          const vec3 wo = direction(theta, 0.4);
+          size_t partner_index = 0;
+          for (const vec3& wi : extreme_partners(wo, material.ior, is_front)) {
+            BsdfCase c{};
+            c.material = material;
+            c.alpha = vec3(-1);
+            c.is_front = is_front;
+            c.mode = partner_index & 1;
+            c.wo = wo;
+            c.wi = wi;
+            // Corners and edges of the unit cube of random numbers, and its inside.
+            const float levels[] = {0, 0x1p-24f, 0.37f, 1 - 0x1p-24f};
+            c.u_lobe = levels[partner_index % 4];
+            c.u = {levels[(partner_index / 4) % 4], levels[(partner_index * 7 / 3) % 4]};
+            ++partner_index;
+            cases.push_back(c);
+          }
+        }
+      }
+  }
+  return cases;
+}
+
 gpu::Kernel create_kernel(std::string_view name, const Model& model) {
   return create_batch_kernel(test_kernels::spirv, name, model.constants());
 }

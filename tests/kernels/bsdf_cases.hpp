@@ -67,6 +67,10 @@ double least_choice(const interface::BsdfCase& c, const Model& model);
 /// x, y, z.
 Evaluation conditioning(const interface::BsdfCase& c, const Model& model, double ulps);
 
+/// All kinds of a class where formulas divide by zero: roughness from 0 through 1e-7 to 1, grazing and normal
+/// incidence, half vectors at the horizon, indices next to 1 and far from it, the critical angle.
+std::vector<interface::BsdfCase> extreme_cases(uint32_t material_class);
+
 /// The kernel `name` of tests/kernels, specialized.
 gpu::Kernel create_kernel(std::string_view name, const Model& model);
 
