@@ -23,8 +23,8 @@ reference::Settings reference_settings(const render::RenderSettings& settings) {
     throw Error(
         ExitStatus::BadUsage,
         "the scalar reference has no --regularization virtual-merge or both, --sampler-quality or --clamp");
-  if (settings.crop.pixels() != 0 || settings.aovs != 0)
-    throw Error(ExitStatus::BadUsage, "the scalar reference has no --crop or --aov");
+  if (settings.crop.pixels() != 0 || settings.aovs != 0 || settings.has_energy_compensation)
+    throw Error(ExitStatus::BadUsage, "the scalar reference has no --crop, --aov or --energy-compensation");
   reference::Settings result;
   result.width = settings.width;
   result.height = settings.height;

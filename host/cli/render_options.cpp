@@ -317,6 +317,8 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                   "Masking-shadowing: smith (height-correlated), smith-uncorrelated, v-cavity")
       ->transform(CLI::CheckedTransformer(SHADOWING_NAMES))
       ->default_str("smith");
+  command.add_flag("--energy-compensation", settings.has_energy_compensation,
+                   "Rough metals, plastics and glass give back what single scattering between facets loses");
   command.add_option("--filter", settings.filter, "Pixel filter: blackman-harris, gaussian, box")
       ->transform(CLI::CheckedTransformer(FILTER_NAMES))
       ->default_str("blackman-harris");

@@ -66,6 +66,7 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
                                                              : nlohmann::json(nullptr)},
       {"ndf", NDF_NAMES[settings.ndf]},
       {"shadowing", SHADOWING_NAMES[settings.shadowing]},
+      {"energy_compensation", settings.has_energy_compensation},
       {"filter", FILTER_NAMES[settings.filter]},
       {"filter_radius", settings.filter_radius},
       {"filter_sigma", settings.filter_sigma}};

@@ -46,6 +46,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.light_aliases = address(light_aliases_);
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
+  frame.energy_tables = address(energy_tables_);
   frame.environment = environment_;
   frame.light_count = light_count_;
   frame.scene_center = center_;

@@ -13,6 +13,9 @@ class DeviceScene {
  public:
   DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh);
 
+  /// Tables of energy compensation (render/energy_tables.hpp); none unless they are wanted.
+  void set_energy_tables(gpu::Buffer tables) { energy_tables_ = std::move(tables); }
+
   /// Writes the addresses of the arrays, the light count and the bounds into a frame.
   void fill(interface::Frame& frame) const;
 
@@ -21,7 +24,7 @@ class DeviceScene {
 
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_tangents_, triangles_, materials_,
-      textures_, texels_, lights_, light_aliases_, environment_texels_, environment_cdf_;
+      textures_, texels_, lights_, light_aliases_, environment_texels_, environment_cdf_, energy_tables_;
   interface::Environment environment_;
   uint32_t light_count_;
   glm::vec3 center_;

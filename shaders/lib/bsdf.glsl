@@ -14,14 +14,14 @@
 //
 // Under a clearcoat of weight c, with T(w) = 1 - c F_c(cos_w) on the coated side and 1 on the other:
 //   T(wo) T(wi) (all of the above) + c F_c(wo.h) D_c G2_c / (4 cos_o cos_i),  F_c = Schlick from 0.04
-// KHR_materials_clearcoat in the reciprocal form that it allows.
+// KHR_materials_clearcoat in the reciprocal form that it allows. With --energy-compensation see lib/energy.glsl.
 //
 // A walk chooses the coat with probability P_c, the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
 // normal, then reflection or transmission by the Fresnel weights there.
 #ifndef REGULUS_LIB_BSDF_GLSL
 #define REGULUS_LIB_BSDF_GLSL
 
-#include "lib/fresnel.glsl"
+#include "lib/bsdf_parameters.glsl"
 #include "lib/microfacet.glsl"
 
 // What is transported along the walk: it decides about the eta^2 of refraction.
@@ -33,50 +33,6 @@ const uint BSDF_SAMPLE_DELTA = 2u;
 const uint BSDF_SAMPLE_TRANSMITTED = 4u;
 const uint BSDF_SAMPLE_DIFFUSE = 8u;  // by the diffuse lobe
 const uint BSDF_SAMPLE_COAT = 16u;    // by the clearcoat
-
-// What this pipeline can meet. Macros of one comparison each: a branch on one is resolved before the driver sees the
-// module (host/gpu/specialize.hpp), a branch on what a function returns is not; and glslang 12 orders constants derived
-// from derived specialization constants wrongly.
-#define bsdf_has_specular() (spec_material_class != MATERIAL_CLASS_DIFFUSE)
-#define bsdf_has_transmission() (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
-#define bsdf_has_rough() (spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
-#define bsdf_has_coat() (spec_material_class * (spec_features & FEATURE_CLEARCOAT) != 0u)
-#define bsdf_has_delta() (spec_material_class * (spec_features & FEATURE_DELTA_SPECULAR) != 0u)
-
-// Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
-const float MIN_ALPHA = 1e-7;
-// Common factor of a microfacet lobe's value and pdfs is kept below this: the quotient stays exact.
-const float MAX_DENSITY = 1e23;
-// Least alpha across the direction of an anisotropic material.
-const float MIN_ANISOTROPIC_ALPHA = 1e-3;
-const float COAT_F0 = 0.04;  // index 1.5
-const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);  // Rec. 709
-
-// A material at a point, seen from one side.
-struct Bsdf {
-  vec3 diffuse;          // (1-m)(1-t) base / (1 - F_d,avg)
-  vec3 metal;            // m base
-  float metallic;        // m
-  vec3 f0;               // F_d at normal incidence
-  float f90;             // F_d at grazing
-  vec3 transmission;     // (1-m) t base
-  vec2 alpha;            // 0: delta
-  float excess;          // eta^2 - 1
-  float inverse_eta_squared;
-  float inverse_eta;
-  float f0_exact;        // exact reflectance at normal incidence
-  float inverse_t0;      // 1 / (1 - f0_exact)
-  float min_position;    // lowest Fresnel position that keeps F_d >= 0
-  // Luminances as linear functions of position s and Schlick weight k: diffuse d.x + (1 - s) d.y,
-  // reflected r.x + k r.y + s r.z, transmitted t.x + (1 - s) t.y.
-  vec2 diffuse_luminance;
-  vec3 reflected_luminance;
-  vec2 transmitted_luminance;
-  bool is_thin;
-  float coat;            // clearcoat weight on the side of wo
-  float coat_across;     // and on the other side, as transmitted light meets it
-  vec2 coat_alpha;       // 0: delta
-};
 
 // Non-delta lobes at a pair of directions. Densities per solid angle.
 struct BsdfEval {
@@ -104,130 +60,6 @@ struct BsdfSample {
   float eta_scale;    // weight * eta_scale is free of refraction's 1 / eta^2
   Encounter facet;    // where wo and wi meet
 };
-
-// Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
-// F_d = f0 + s (f90 - f0).
-vec2 fresnel_position(Bsdf bsdf, float c, float g, float excess) {
-  vec2 exact = fresnel_dielectric(max(c, MIN_COS), g, excess);
-  vec2 position = vec2(exact.x - bsdf.f0_exact, exact.y) * bsdf.inverse_t0;
-  return vec2(max(position.x, bsdf.min_position), min(position.y, 1.0 - bsdf.min_position));
-}
-
-// F_d and 1 - F_d.
-vec3 dielectric_reflectance(Bsdf bsdf, vec2 position) { return bsdf.f0 + position.x * (bsdf.f90 - bsdf.f0); }
-vec3 dielectric_transmittance(Bsdf bsdf, vec2 position) {
-  return (1.0 - bsdf.f90) + position.y * (bsdf.f90 - bsdf.f0);
-}
-
-// F_r for Schlick weight k.
-vec3 interface_reflectance(Bsdf bsdf, vec2 position, float k) {
-  return bsdf.metal + k * (bsdf.metallic - bsdf.metal) +
-         (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position);
-}
-
-float reflected_luminance(Bsdf bsdf, vec2 position, float k) {
-  return max(dot(bsdf.reflected_luminance, vec3(1.0, k, position.x)), 0.0);
-}
-
-float transmitted_luminance(Bsdf bsdf, vec2 position) {
-  return bsdf_has_transmission() ? bsdf.transmitted_luminance.x + position.y * bsdf.transmitted_luminance.y : 0.0;
-}
-
-// Share of light that a clearcoat of this weight reflects at cosine c.
-float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
-
-// And what it leaves, accurate also at grazing, where that is little: 1 - (1 - c)^5 by its factor c.
-float coat_transmittance(float weight, float c) {
-  float schlick_rest = c * (5.0 + c * (-10.0 + c * (10.0 + c * (-5.0 + c))));
-  return (1.0 - weight) + weight * (1.0 - COAT_F0) * clamp(schlick_rest, 0.0, 1.0);
-}
-
-// Probabilities of sampling the coat and the base from a direction with cosine c on a side with that coat, and the
-// base's Fresnel position: by what coat and base would reflect or transmit.
-vec2 coat_choice(Bsdf bsdf, float weight, float c, vec2 position) {
-  float coat = coat_reflectance(weight, c);
-  float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
-               reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
-  float below = coat_transmittance(weight, c) * max(base, 0.0);
-  return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
-}
-
-// Probability of sampling the diffuse lobe from a direction with cosine c and that Fresnel position.
-float diffuse_probability(Bsdf bsdf, float c, vec2 position) {
-  if (!bsdf_has_specular()) return 1.0;
-  float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
-  float specular = reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
-  return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
-}
-
-// Probability of reflection at a facet: c is the cosine with the facet normal of the side it is seen from.
-float reflection_probability(Bsdf bsdf, vec2 position, float c) {
-  if (!bsdf_has_transmission()) return 1.0;
-  float reflected = reflected_luminance(bsdf, position, schlick_weight(c));
-  float transmitted = transmitted_luminance(bsdf, position);
-  return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
-}
-
-// The bsdf of a material whose textures have been applied, seen from its front or back face.
-Bsdf make_bsdf(Material material, bool is_front) {
-  Bsdf bsdf;
-  vec3 dielectric = (1.0 - material.metallic) * material.base_color;
-  if (!bsdf_has_specular()) {
-    bsdf.diffuse = dielectric;
-    bsdf.alpha = vec2(0.0);
-    bsdf.coat = 0.0;
-    bsdf.coat_across = 0.0;
-    bsdf.coat_alpha = vec2(0.0);
-    return bsdf;
-  }
-  float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
-  bsdf.metallic = material.metallic;
-  bsdf.metal = material.metallic * material.base_color;
-  bsdf.transmission = transmission * dielectric;
-  bsdf.is_thin = (material.flags & MATERIAL_VOLUME) == 0u;
-
-  float alpha = material.roughness * material.roughness;
-  bsdf.alpha = vec2(material.roughness > 0.0 ? max(alpha, MIN_ALPHA) : 0.0);
-  if ((spec_features & FEATURE_ANISOTROPY) != 0u && material.anisotropy > 0.0)
-    bsdf.alpha = max(vec2(mix(alpha, 1.0, square(material.anisotropy)), alpha), vec2(MIN_ANISOTROPIC_ALPHA));
-  // Solids are coated on their outside, everything else on both sides.
-  bool is_solid = bsdf_has_transmission() && transmission > 0.0 && !bsdf.is_thin;
-  bsdf.coat = is_solid && !is_front ? 0.0 : material.clearcoat;
-  bsdf.coat_across = is_solid && is_front ? 0.0 : material.clearcoat;
-  float coat_alpha = square(material.clearcoat_roughness);
-  bsdf.coat_alpha = vec2(material.clearcoat_roughness > 0.0 ? max(coat_alpha, MIN_ALPHA) : 0.0);
-
-  // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
-  float ior = material.ior;
-  float excess = (ior - 1.0) * (ior + 1.0);
-  bool is_inside = bsdf_has_transmission() && transmission > 0.0 && !bsdf.is_thin && !is_front;
-  bsdf.excess = is_inside ? -excess / (ior * ior) : excess;
-  bsdf.inverse_eta = is_inside ? ior : 1.0 / ior;
-  bsdf.inverse_eta_squared = square(bsdf.inverse_eta);
-
-  float x = (ior - 1.0) / (ior + 1.0);
-  bsdf.f0_exact = x * x;
-  bsdf.inverse_t0 = square(ior + 1.0) / (4.0 * ior);
-  bsdf.f0 = min(bsdf.f0_exact * material.specular_color, vec3(1.0)) * material.specular;
-  bsdf.f90 = material.specular;
-  vec3 range = bsdf.f90 - bsdf.f0;
-  float darkest = min(bsdf.f0.r, min(bsdf.f0.g, bsdf.f0.b));
-  bsdf.min_position = -darkest / max(bsdf.f90 - darkest, 1e-6);
-
-  vec3 albedo = (1.0 - transmission) * dielectric;
-  float mean_position = max(fresnel_mean_position(x), bsdf.min_position);
-  vec3 mean_transmittance = (1.0 - bsdf.f90) + (1.0 - mean_position) * range;
-  bsdf.diffuse = albedo / max(mean_transmittance, 1e-6);
-
-  float dielectric_share = 1.0 - bsdf.metallic;
-  bsdf.diffuse_luminance = vec2((1.0 - bsdf.f90) * dot(albedo, LUMINANCE), dot(albedo * range, LUMINANCE));
-  bsdf.reflected_luminance = vec3(dot(bsdf.metal + dielectric_share * bsdf.f0, LUMINANCE),
-                                  bsdf.metallic - dot(bsdf.metal, LUMINANCE),
-                                  dielectric_share * dot(range, LUMINANCE));
-  bsdf.transmitted_luminance =
-      vec2((1.0 - bsdf.f90) * dot(bsdf.transmission, LUMINANCE), dot(bsdf.transmission * range, LUMINANCE));
-  return bsdf;
-}
 
 // The parts of the lobes at (wo, wi) that meet at a facet: what value and pdfs are made of. The microfacet lobe's
 // density and shadowing are those of the bsdf's own alpha; all else does not depend on alpha.
@@ -302,8 +134,13 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
   float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
   float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
+  vec2 passed_o = s_o, passed_i = s_i;
+  if (compensates_energy()) {
+    passed_o = rough_position(bsdf, cos_o, s_o);
+    passed_i = rough_position(bsdf, cos_i, s_i);
+  }
   lobes.diffuse =
-      bsdf.diffuse * dielectric_transmittance(bsdf, s_o) * dielectric_transmittance(bsdf, s_i) * same_side;
+      bsdf.diffuse * dielectric_transmittance(bsdf, passed_o) * dielectric_transmittance(bsdf, passed_i) * same_side;
   lobes.diffuse_forward = diffuse_o * cos_i * same_side;
   lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
@@ -334,8 +171,16 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   bool is_rough = facet.is_valid && bsdf.alpha.x > 0.0;
   lobes.density = is_rough ? min(lobes.terms.density * lobes.density_scale, MAX_DENSITY) : 0.0;
   lobes.weight = interface_reflectance(bsdf, s, k);
+  // Energy is counted in the direction of the camera, see lib/energy.glsl.
+  bool is_turned = transport == TRANSPORT_IMPORTANCE;
+  float cos_camera = is_turned ? cos_i : cos_o;
+  bool is_camera_inside = (bsdf.excess < 0.0) != (is_turned && facet.is_refracted);
+  if (compensates_energy()) lobes.weight = compensated_reflectance(bsdf, s, k, cos_camera, is_camera_inside);
   if (bsdf_has_transmission() && facet.is_transmitted) {
     lobes.weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
+    if (compensates_energy())
+      lobes.weight /= bsdf.is_thin ? energy_reflected(bsdf.energy, cos_camera)
+                                   : energy_scattered(bsdf.energy, cos_camera, is_camera_inside);
     reflect_o = 1.0 - reflect_o;
     reflect_i = 1.0 - reflect_i;
   }

@@ -14,6 +14,7 @@
 
 REGULUS_BUFFER(WordBuffer, uint);
 REGULUS_BUFFER(WordPairBuffer, uvec2);
+REGULUS_BUFFER(FloatBuffer, float);
 REGULUS_BUFFER(Vec2Buffer, vec2);
 REGULUS_BUFFER(Vec3Buffer, vec3);
 REGULUS_BUFFER(Vec4Buffer, vec4);

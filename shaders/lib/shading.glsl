@@ -98,6 +98,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
   apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
+  if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);
   return point;
 }
 

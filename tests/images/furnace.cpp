@@ -140,5 +140,44 @@ TEST_F(Furnace, MirrorsShowTheDirectLightExactly) {
                uniform_image(16, 16, {direct, direct, direct}), options);
 }
 
+// Scaling in the direction of the camera keeps camera and light paths in agreement, although it is not
+// reciprocal.
+TEST_F(Furnace, CameraAndLightPathsAgreeUnderEnergyCompensation) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  GltfScene built;
+  built.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, metal({0.9, 0.6, 0.3}, 1));
+  built.add({quad({-1, -1, 2}, {0, 2, 0}, {0, 0, -2})}, plastic({0.5, 0.5, 0.5}, 0.8));
+  built.add_point_light({0.3, 0.2, 1.2}, {1, 1, 1});
+  built.set_perspective(look_at({1.5, 0.5, 3}, {0, 0, 0.5}), 0.8);
+  const PreparedScene scene = prepare(built);
+  constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE,
+                     LT = interface::TECHNIQUE_SPLAT;
+  double means[2][3], errors[2][3];
+  for (int side = 0; side < 2; ++side) {
+    render::RenderSettings settings = box_filtered(24, 24, 256, 4);
+    settings.techniques = side == 0 ? PT : LT;
+    settings.has_energy_compensation = true;
+    settings.aovs = render::AOV_VARIANCE;
+    const Rendered rendered = render(scene, settings);
+    const image::Image variance = resolve_variance(rendered.film);
+    for (size_t c = 0; c < 3; ++c) {
+      double sum = 0, squares = 0;
+      for (size_t i = c; i < rendered.image.rgb.size(); i += 3) {
+        sum += rendered.image.rgb[i];
+        squares += variance.rgb[i];
+      }
+      means[side][c] = sum / (24 * 24);
+      errors[side][c] = std::sqrt(squares) / (24 * 24);
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    std::printf("pt %.5f (%.5f), lt %.5f (%.5f)\n", means[0][c], errors[0][c], means[1][c], errors[1][c]);
+    // Splats of one light path share their noise between pixels: twice the error of independent ones, times
+    // four.
+    EXPECT_NEAR(means[0][c], means[1][c], 4 * std::hypot(errors[0][c], 2 * errors[1][c]));
+    EXPECT_LT(errors[0][c] + errors[1][c], 0.01 * means[0][c]);
+  }
+}
+
 }  // namespace
 }  // namespace regulus::test

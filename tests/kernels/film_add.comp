@@ -5,7 +5,6 @@
 
 layout(local_size_x = 64) in;
 
-REGULUS_BUFFER(FloatBuffer, float);
 
 layout(push_constant, scalar) uniform BatchArguments {
   uvec2 inputs;

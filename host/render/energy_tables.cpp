@@ -1,0 +1,100 @@
+#include "render/energy_tables.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "interface/energy.h"
+#include "interface/wavefront.h"
+#include "render/shaders.hpp"
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+// The indices of refraction that get tables, ascending: all of the scene's, or some of them evenly.
+std::vector<float> choose_indices(const std::vector<Material>& materials) {
+  std::vector<float> all;
+  for (const Material& material : materials) all.push_back(material.ior);
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (all.size() <= ENERGY_MAX_INDICES) return all;
+  std::vector<float> chosen;
+  for (size_t i = 0; i < ENERGY_MAX_INDICES; ++i)
+    chosen.push_back(all[i * (all.size() - 1) / (ENERGY_MAX_INDICES - 1)]);
+  return chosen;
+}
+
+// 2 int f(cos) cos dcos of a row of a plane, whose nodes lie at the cosines that `cosine_of` gives, as
+// piecewise linear.
+template <typename Cosine>
+float mean_of_row(const std::vector<float>& words, size_t row, const Cosine& cosine_of) {
+  double sum = 0;
+  for (uint32_t node = 0; node + 1 < ENERGY_NODES; ++node) {
+    const double c0 = cosine_of(node), c1 = cosine_of(node + 1);
+    const double f0 = words[row + node], f1 = words[row + node + 1];
+    // Exact for f linear in the cosine.
+    sum += (c1 - c0) * (f0 * (2 * c0 + c1) + f1 * (c0 + 2 * c1)) / 3;
+  }
+  return static_cast<float>(sum);
+}
+
+double fraction(uint32_t node) {
+  return static_cast<double>(node) / (ENERGY_NODES - 1);
+}
+
+// Means by roughness of the plane at word `plane`, to word `means`.
+void add_means(std::vector<float>& words, size_t plane, size_t means, bool is_by_position) {
+  for (uint32_t r = 0; r < ENERGY_NODES; ++r) {
+    const double alpha = std::max(fraction(r) * fraction(r), 1e-6);
+    const auto cosine_of = [&](uint32_t node) {
+      const double x = fraction(node);
+      if (!is_by_position || node + 1 == ENERGY_NODES) return x;
+      const double cotangent = alpha * x / (1 - x);
+      return cotangent / std::sqrt(1 + cotangent * cotangent);
+    };
+    words[means + r] = mean_of_row(words, plane + size_t{r} * ENERGY_NODES, cosine_of);
+  }
+}
+
+}  // namespace
+
+gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>& materials,
+                               const RenderSettings& settings) {
+  const std::vector<float> indices = choose_indices(materials);
+  const size_t count = ENERGY_PER_INDEX + indices.size() * ENERGY_INDEX_WORDS;
+  gpu::Buffer tables = device.create_buffer(count * sizeof(float), "energy tables");
+  const gpu::Kernel kernel =
+      device.create_kernel({"energy_tables",
+                            stage_spirv(device, "energy_tables"),
+                            {{SPEC_NDF, settings.ndf}, {SPEC_SHADOWING, settings.shadowing}}});
+  // One submission each: together they might take too long for a watchdog.
+  const auto fill = [&](size_t plane, uint32_t quantity, float ior) {
+    gpu::CommandList commands(device);
+    const EnergyArguments arguments{device_address(tables.address()), static_cast<uint32_t>(plane), quantity,
+                                    ior};
+    commands.dispatch(kernel, gpu::bytes_of(arguments), ENERGY_PLANE_WORDS / WORKGROUP_SIZE);
+    gpu::Submission submission = device.submit(std::move(commands));
+    device.wait(submission);
+  };
+  fill(ENERGY_COMMON, ENERGY_REFLECTED, 1.5f);
+  for (size_t i = 0; i < indices.size(); ++i)
+    for (const uint32_t quantity : {ENERGY_FRESNEL, ENERGY_SCATTERED_OUT, ENERGY_SCATTERED_IN})
+      fill(ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS + (quantity - 1) * ENERGY_PLANE_WORDS, quantity,
+           indices[i]);
+
+  std::vector<float> words = gpu::download_all<float>(device, tables, count);
+  words[0] = std::bit_cast<float>(static_cast<uint32_t>(indices.size()));
+  std::ranges::copy(indices, words.begin() + ENERGY_INDICES);
+  add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
+  for (size_t i = 0; i < indices.size(); ++i) {
+    const size_t first = ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS;
+    add_means(words, first, first + 3 * ENERGY_PLANE_WORDS, false);
+  }
+  device.upload(tables, 0, gpu::bytes_of(words));
+  return tables;
+}
+
+}  // namespace regulus::render
