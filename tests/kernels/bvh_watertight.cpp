@@ -1,7 +1,9 @@
 // No ray leaves a closed mesh from inside: aimed at its vertices, at points of its edges, and anywhere.
+// REGULUS_LEAK_RAYS in the environment: how many rays altogether go anywhere (ten million take minutes).
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 
 #include "bvh_queries.hpp"
@@ -79,6 +81,24 @@ struct Closed {
   glm::dvec3 scale, shift;
 };
 
+constexpr uint64_t DEFAULT_RAYS = 100'000, MESHES = 10;
+constexpr uint64_t BATCH = 1u << 18;  // rays at a time
+
+uint64_t random_rays_per_mesh() {
+  const char* asked = std::getenv("REGULUS_LEAK_RAYS");
+  const uint64_t all = asked == nullptr ? DEFAULT_RAYS : std::strtoull(asked, nullptr, 10);
+  return (all + MESHES - 1) / MESHES;
+}
+
+/// How many rays either query lets out.
+uint64_t count_leaks(RayQueries& queries, const Rays& rays) {
+  const std::vector<interface::Hit> hits = queries.closest(rays);
+  const std::vector<bool> any = queries.any(rays);
+  uint64_t leaks = 0;
+  for (size_t i = 0; i < rays.size(); ++i) leaks += hits[i].triangle == interface::INVALID_INDEX || !any[i];
+  return leaks;
+}
+
 class BvhWatertight : public testing::TestWithParam<Closed> {};
 
 }  // namespace
@@ -110,11 +130,21 @@ TEST_P(BvhWatertight, NoRayLeaks) {
     }
   }
   RayQueries queries(triangles);
-  const std::vector<interface::Hit> hits = queries.closest(rays);
-  const std::vector<bool> any = queries.any(rays);
-  uint32_t leaks = 0;
-  for (size_t i = 0; i < rays.size(); ++i) leaks += hits[i].triangle == interface::INVALID_INDEX || !any[i];
-  std::printf("%s: %zu rays, %u leaks (bound 0)\n", closed.name, rays.size(), leaks);
+  uint64_t leaks = count_leaks(queries, rays);
+  const size_t aimed = rays.size();
+  uint64_t left = random_rays_per_mesh();
+  const uint64_t anywhere = left;
+  for (; left > 0; left -= rays.size()) {
+    rays.clear();
+    for (uint64_t i = 0; i < std::min(left, BATCH); ++i) {
+      const glm::dvec3 from = closed.scale * (random.uniform(0, 0.5) * random.direction()) + closed.shift;
+      // To a point around the mesh, so that flat meshes are met at all angles.
+      rays.push_back(make_ray(from, closed.scale * (2.0 * random.direction()) + closed.shift - from));
+    }
+    leaks += count_leaks(queries, rays);
+  }
+  std::printf("%s: %zu rays at vertices and edges, %llu anywhere, %llu leaks (bound 0)\n", closed.name, aimed,
+              static_cast<unsigned long long>(anywhere), static_cast<unsigned long long>(leaks));
   EXPECT_EQ(leaks, 0u);
   EXPECT_EQ(queries.overruns(), 0u);
 }
@@ -126,6 +156,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Closed{"large_sphere", make_sphere(24), glm::dvec3(1e6), glm::dvec3(0)},
                     Closed{"flat_ellipsoid", make_sphere(24), glm::dvec3(1, 1e-3, 1), glm::dvec3(0)},
                     Closed{"far_sphere", make_sphere(24), glm::dvec3(1), glm::dvec3(3000, -5000, 1000)},
+                    Closed{"mirrored_sphere", make_sphere(24), glm::dvec3(-1, 1, 1), glm::dvec3(0)},
+                    Closed{"tiny_far_sphere", make_sphere(24), glm::dvec3(1e-2), glm::dvec3(10, -20, 5)},
                     Closed{"cube", make_cube(16), glm::dvec3(1), glm::dvec3(0)},
                     Closed{"far_cube", make_cube(8), glm::dvec3(1), glm::dvec3(-7000, 3000, 9000)},
                     Closed{"thin_box", make_cube(8), glm::dvec3(1, 1, 1e-4), glm::dvec3(0.3, 0.1, 0.7)}),
