@@ -273,8 +273,10 @@ class ConnectionChecker {
         }
         // Off the film nothing is queued; a walk that went another way leaves no splat here.
         if (best == nullptr) return;
-        items.push_back(
-            {TECHNIQUE_SPLAT, 0, 0, path, found.sampled.vertex - 1, dvec3(best->segment.contribution)});
+        // Of both copies of a technique there is one splat.
+        const size_t edges = found.sampled.vertex - 1;
+        if (!items.empty() && items.back().light_path == path && items.back().light_edges == edges) return;
+        items.push_back({TECHNIQUE_SPLAT, 0, 0, path, edges, dvec3(best->segment.contribution)});
       });
     return items;
   }
@@ -313,11 +315,18 @@ class ConnectionChecker {
     return difference == 0 ? 0 : difference / std::max(largest(expected), floor);
   }
 
+  static void add(const Expected& more, std::optional<Expected>& sum) {
+    sum = sum ? Expected{sum->value() + more.value(), 1, false} : more;
+  }
+
   Expected by_definition(const reference::SampledPath& sampled) const {
     const auto techniques = list_techniques(sampled.path, set_);
-    const reference::Technique* used = find_technique(techniques, sampled.technique, sampled.vertex);
-    if (used == nullptr) return {};
-    return {unweighted_contribution(sampled.path, *used) / sampled.survival, mis_weight(techniques, *used)};
+    std::optional<Expected> result;
+    for (const reference::Technique& used : techniques)
+      if (used.kind == sampled.technique && used.vertex == sampled.vertex)
+        add({unweighted_contribution(sampled.path, used) / sampled.survival, mis_weight(techniques, used)},
+            result);
+    return result.value_or(Expected{});
   }
 
   /// Nothing if the reference finds no such path, for instance because something is in the way.
@@ -328,7 +337,7 @@ class ConnectionChecker {
       estimator_->light_sample(subpaths[item.light_path], item.light_path, sample_,
                                [&](const reference::Contribution& found) {
                                  if (found.sampled.vertex == item.light_edges + 1)
-                                   result = Expected{found.unweighted, found.weight};
+                                   add({found.unweighted, found.weight}, result);
                                });
       return result;
     }

@@ -16,13 +16,12 @@ void require_known_diffusion(const render::RenderSettings& settings) {
 }
 
 reference::Settings reference_settings(const render::RenderSettings& settings) {
-  constexpr uint32_t UNKNOWN = interface::REGULARIZATION_VIRTUAL_MERGE | interface::REGULARIZATION_BOTH;
+  constexpr uint32_t UNKNOWN = interface::REGULARIZATION_VIRTUAL_MERGE;
   if ((settings.regularization & UNKNOWN) != 0 ||
       settings.sampler_quality != interface::SAMPLER_QUALITY_OFF ||
       std::isfinite(settings.largest_contribution))
-    throw Error(
-        ExitStatus::BadUsage,
-        "the scalar reference has no --regularization virtual-merge or both, --sampler-quality or --clamp");
+    throw Error(ExitStatus::BadUsage,
+                "the scalar reference has no --regularization virtual-merge, --sampler-quality or --clamp");
   if (settings.crop.pixels() != 0 || settings.aovs != 0 || settings.has_energy_compensation)
     throw Error(ExitStatus::BadUsage, "the scalar reference has no --crop, --aov or --energy-compensation");
   reference::Settings result;

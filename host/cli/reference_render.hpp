@@ -16,7 +16,7 @@ namespace regulus::cli {
 void require_known_diffusion(const render::RenderSettings& settings);
 
 /// The reference's settings for a render's.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, `both`, sampler
+/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler
 /// quality, clamping.
 reference::Settings reference_settings(const render::RenderSettings& settings);
 

@@ -98,7 +98,7 @@ TechniqueSet Estimator::techniques(uint32_t sample) const {
   const double light_paths = settings_.paths_per_iteration();
   const uint32_t drawn = settings_.cache_connections;
   return {settings_.techniques, light_paths, drawn == 0 ? 1 : drawn * light_paths / expected_cache_,
-          std::numbers::pi * radius * radius};
+          std::numbers::pi * radius * radius, (settings_.regularization & REGULARIZATION_BOTH) != 0};
 }
 
 bool Estimator::needs_light_subpaths() const {
@@ -111,12 +111,14 @@ void Estimator::emit(std::optional<SampledPath> sampled, const TechniqueSet& set
   if (!sampled) return;
   Contribution contribution;
   contribution.techniques = list_techniques(sampled->path, set);
-  const Technique* used = find_technique(contribution.techniques, sampled->technique, sampled->vertex);
-  if (used == nullptr) return;
-  contribution.weight = mis_weight(contribution.techniques, *used);
-  contribution.unweighted = unweighted_contribution(sampled->path, *used) / sampled->survival;
   contribution.sampled = std::move(*sampled);
-  sink(contribution);
+  const SampledPath& found = contribution.sampled;
+  for (const Technique& used : contribution.techniques) {
+    if (used.kind != found.technique || used.vertex != found.vertex) continue;
+    contribution.weight = mis_weight(contribution.techniques, used);
+    contribution.unweighted = unweighted_contribution(found.path, used) / found.survival;
+    sink(contribution);
+  }
 }
 
 /// The camera walk's vertex after `edges` edges to those of its own light path, or to some drawn from all.

@@ -32,7 +32,7 @@ std::optional<ConnectedScattering> raised_between(const Surface& surface, const 
             is_delta_event, regularization);
   if (!raised) return std::nullopt;
   return ConnectedScattering{raised->value * normal_correction(surface, w_light), raised->pdf_wo,
-                             raised->pdf_wi, true};
+                             raised->pdf_wi, true, raised->ratio};
 }
 
 }  // namespace
@@ -61,7 +61,8 @@ ConnectedScattering connected_at(const Path& path, size_t i) {
   bool is_diffused = false;
   for (size_t j = i + 1; j < path.length(); ++j) is_diffused = is_diffused || path.vertices[j].diffuses;
   if ((is_diffused || vertex.is_always_raised) && vertex.raised) return *vertex.raised;
-  return {vertex.is_delta ? dvec3(0) : vertex.value, vertex.forward, vertex.reverse, !vertex.is_delta};
+  return {vertex.is_delta ? dvec3(0) : vertex.value, vertex.forward, vertex.reverse, !vertex.is_delta,
+          vertex.is_delta ? 0.0 : 1.0};
 }
 
 WideColor measured_function(const Path& path, size_t first, size_t last) {

@@ -25,6 +25,7 @@ struct ConnectedScattering {
   double forward = 0;   ///< pdfs that weights use in place of VertexScattering's: times rho^W / rho
   double reverse = 0;
   bool is_possible = false;  ///< false: no connection and no merge finds a path that scatters here like this
+  double ratio = 1;          ///< rho^W / rho; 0 of a delta event
 };
 
 /// Scattering at an interior vertex, for directions w_light to x_{i-1} and w_camera to x_{i+1}.

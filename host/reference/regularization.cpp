@@ -144,16 +144,16 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   raised.value = wide.value(wo, wi, TransportMode::Radiance);
   raised.pdf_wi = bsdf.pdf(wo, wi);
   raised.pdf_wo = bsdf.pdf(wi, wo);
+  const double in_weights = value_in_weights(bsdf, wide, wo, wi, regularization);
+  const double plain = luminance_of(bsdf, wo, wi);
+  raised.ratio = !is_delta_event && plain > 0 ? in_weights / plain : 0;
   if (regularization.mis == MIS_UNMODIFIED) return raised;
 
-  const double in_weights = value_in_weights(bsdf, wide, wo, wi, regularization);
   const Bsdf smooth = without_facets(bsdf);
   const double diffuse = luminance_of(smooth, wo, wi);
-  const double plain = luminance_of(bsdf, wo, wi);
   if (!is_delta_event && (diffuse > 0 || (has_coat && plain > 0))) {
-    const double ratio = in_weights / plain;
-    raised.pdf_wi *= ratio;
-    raised.pdf_wo *= ratio;
+    raised.pdf_wi *= raised.ratio;
+    raised.pdf_wo *= raised.ratio;
     return raised;
   }
   // The microfacet lobes alone, of a delta event those that are deltas: p / rho, from which the density

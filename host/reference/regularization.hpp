@@ -26,6 +26,7 @@ struct RaisedScattering {
   glm::dvec3 value{0};  ///< rho^(wo, wi), 1/sr, as radiance
   double pdf_wi = 0;    ///< of wi given wo
   double pdf_wo = 0;    ///< of wo given wi
+  double ratio = 0;     ///< rho^W / rho; 0 of a delta event
 };
 
 /// alpha^ of the lobe that scatters wo to wi: reflection if both lie on the same side, or thin-walled

@@ -27,14 +27,19 @@ struct WeighedPath {
   const Path& path;
   Path weighted;  // with the pdfs of connected_at()
   std::vector<bool> is_possible;
+  std::vector<double> ratios;
 
   explicit WeighedPath(const Path& original)
-      : path(original), weighted(original), is_possible(original.length() + 1, true) {
+      : path(original),
+        weighted(original),
+        is_possible(original.length() + 1, true),
+        ratios(original.length() + 1, 1.0) {
     for (size_t i = 1; i < path.length(); ++i) {
       const ConnectedScattering connected = connected_at(path, i);
       weighted.vertices[i].forward = connected.forward;
       weighted.vertices[i].reverse = connected.reverse;
       is_possible[i] = connected.is_possible;
+      ratios[i] = connected.ratio;
     }
   }
 };
@@ -65,6 +70,17 @@ Technique merge(const WeighedPath& paths, size_t j, const TechniqueSet& set) {
   return technique(paths, TECHNIQUE_MERGE, j, samples, j + 1, j);
 }
 
+/// The unregularized copy of a connection or merge. Its I = f / p is greater than the other's f^ / p by the
+/// ratios of the vertices where they differ, in the terms of weights.
+Technique plain_copy(const WeighedPath& paths, Technique technique) {
+  const size_t s = technique.vertex;
+  const double ratio =
+      technique.kind == TECHNIQUE_MERGE ? paths.ratios[s] : paths.ratios[s - 1] * paths.ratios[s];
+  technique.weight_density *= static_cast<Wide>(ratio);
+  technique.is_plain = true;
+  return technique;
+}
+
 std::vector<Technique> of_one_edge(const WeighedPath& paths, const TechniqueSet& set) {
   if ((set.bits & TECHNIQUE_HIT) != 0) return {hit(paths)};
   if ((set.bits & TECHNIQUE_SPLAT) != 0) return {connection(paths, TECHNIQUE_SPLAT, 1, set.light_paths)};
@@ -90,6 +106,11 @@ std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set
     if ((set.bits & TECHNIQUE_MERGE) != 0)
       for (size_t j = 1; j < length; ++j) all.push_back(merge(paths, j, set));
   }
+  if (set.is_both && length > 1) {
+    const size_t count = all.size();
+    for (size_t i = 0; i < count; ++i)
+      if (all[i].kind != TECHNIQUE_HIT) all.push_back(plain_copy(paths, all[i]));
+  }
   std::erase_if(all, [](const Technique& t) { return !(t.weight_density > 0); });
   return all;
 }
@@ -111,8 +132,8 @@ glm::dvec3 unweighted_contribution(const Path& path, const Technique& used) {
   const size_t s = used.vertex;
   const bool is_merge = used.kind == TECHNIQUE_MERGE;
   const size_t first = std::max<size_t>(is_merge ? s : s - 1, 1);
-  const WideColor f =
-      used.kind == TECHNIQUE_HIT ? measured_function(path) : measured_function(path, first, s);
+  const WideColor f = used.kind == TECHNIQUE_HIT || used.is_plain ? measured_function(path)
+                                                                  : measured_function(path, first, s);
   return glm::dvec3(f / used.density);
 }
 

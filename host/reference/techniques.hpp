@@ -16,6 +16,7 @@ struct TechniqueSet {
   double light_paths = 1;                                               ///< N: samples of `splat` and `merge`
   double connections = 1;                                               ///< samples of `connect` per (s, t)
   double merge_area = 0;                                                ///< eta_0 = pi r^2, m^2
+  bool is_both = false;  ///< connections and merges exist twice, with and without regularization
 };
 
 /// One way to find a path.
@@ -25,6 +26,7 @@ struct Technique {
       0;  ///< s, the number of vertices from the light; of a merge, the index j of the merged vertex
   Wide density = 0;         ///< n p: expected number of samples per unit of path measure
   Wide weight_density = 0;  ///< n p^, with the pdfs of ConnectedScattering: what weights compare
+  bool is_plain = false;    ///< the copy without regularization, see TechniqueSet::is_both
 };
 
 /// All techniques of the set that can find the path, in the order hit, nee, connect by s, splat, merge by j.

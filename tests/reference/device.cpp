@@ -317,10 +317,13 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
 TEST(DeviceConnections, RegularizedAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
-  CheckedConnections checked(REGULARIZATION_ROUGHNESS);
-  for (const Tally& tally : checked.check(checked.record())) {
-    std::printf("%s\n", tally.line().c_str());
-    EXPECT_TRUE(tally.is_passed());
+  for (const uint32_t regularization :
+       {REGULARIZATION_ROUGHNESS, REGULARIZATION_ROUGHNESS | REGULARIZATION_BOTH}) {
+    CheckedConnections checked(regularization);
+    for (const Tally& tally : checked.check(checked.record())) {
+      std::printf("%s\n", tally.line().c_str());
+      EXPECT_TRUE(tally.is_passed());
+    }
   }
 }
 
