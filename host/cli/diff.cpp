@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "image/atomic_file.hpp"
+#include "image/flip_picture.hpp"
 #include "image/image.hpp"
 
 namespace regulus::cli {
@@ -15,7 +16,7 @@ namespace regulus::cli {
 namespace {
 
 struct DiffOptions {
-  std::string image, reference, json, heat_map;
+  std::string image, reference, json, heat_map, flip_map;
 };
 
 // NaN and infinity (the psnr of equal images) become null: JSON has neither.
@@ -61,6 +62,7 @@ void diff(const DiffOptions& options) {
   if (!options.json.empty())
     image::write_file_atomically(options.json, to_json(metrics, flip).dump(2) + "\n");
   if (!options.heat_map.empty()) image::write_heat_map(options.heat_map, image, reference);
+  if (!options.flip_map.empty()) image::write_flip_picture(options.flip_map, image, reference);
   print(metrics, flip);
 }
 
@@ -74,6 +76,8 @@ void add_diff_command(CLI::App& app) {
   command->add_option("--json", options->json, "Write the metrics to this file");
   command->add_option("--heat-map", options->heat_map,
                       "Write the relative error of each pixel to this PNG, 0.001 (black) to 1 (yellow)");
+  command->add_option("--flip-map", options->flip_map,
+                      "Write the FLIP error of each pixel to this PNG, 0 (black) to 1 (yellow)");
   command->callback([options] { diff(*options); });
 }
 

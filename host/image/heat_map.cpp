@@ -1,8 +1,9 @@
-// The relative error of each pixel as a colour.
+// The error of each pixel as a colour.
 #include <algorithm>
 #include <cmath>
 
 #include "image/atomic_file.hpp"
+#include "image/flip_picture.hpp"
 #include "image/image.hpp"
 
 namespace regulus::image {
@@ -50,6 +51,16 @@ std::string encode_heat_map(const Image& image, const Image& reference, const st
 
 void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference) {
   write_file_atomically(path, encode_heat_map(image, reference, path.string()));
+}
+
+void write_flip_picture(const std::filesystem::path& path, const Image& image, const Image& reference) {
+  std::vector<uint8_t> bytes;
+  bytes.reserve(image.rgb.size());
+  for (const float error : flip_map(image, reference)) {
+    const Rgb8 color = scale_color(error);
+    bytes.insert(bytes.end(), color.begin(), color.end());
+  }
+  write_png8(path, image.width, image.height, bytes);
 }
 
 }  // namespace regulus::image

@@ -17,11 +17,13 @@ namespace {
 // The indices of refraction that get tables, ascending: all of the scene's, or some of them evenly.
 std::vector<float> choose_indices(const std::vector<Material>& materials) {
   std::vector<float> all;
+  all.reserve(materials.size());
   for (const Material& material : materials) all.push_back(material.ior);
   std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   if (all.size() <= ENERGY_MAX_INDICES) return all;
   std::vector<float> chosen;
+  chosen.reserve(ENERGY_MAX_INDICES);
   for (size_t i = 0; i < ENERGY_MAX_INDICES; ++i)
     chosen.push_back(all[i * (all.size() - 1) / (ENERGY_MAX_INDICES - 1)]);
   return chosen;

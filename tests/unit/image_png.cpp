@@ -9,6 +9,7 @@
 #include <limits>
 #include <memory>
 
+#include "image/flip_picture.hpp"
 #include "image_files.hpp"
 
 namespace regulus::test {
@@ -102,6 +103,23 @@ TEST(HeatMap, ShowsRelativeErrorOnALogarithmicScale) {
   int width = 0, height = 0;
   const std::vector<uint8_t> bytes = read_png(folder / "heat.png", width, height);
   EXPECT_EQ(bytes, (std::vector<uint8_t>{0, 0, 0, 252, 255, 164, 0, 255, 255}));
+}
+
+// What a pixel is shown as is its own error: the map's largest is where the images differ, equal images are
+// black.
+TEST(FlipPicture, IsBlackWhereNothingDiffers) {
+  const TemporaryFolder folder;
+  const image::Image reference = make_image(64, 2, [](size_t) { return 0.2f; });
+  image::Image image = reference;
+  for (size_t i = 0; i < 3; ++i) image.rgb[i] = 1;  // far from the right end
+  image::write_flip_picture(folder / "flip.png", image, reference);
+  int width = 0, height = 0;
+  const std::vector<uint8_t> bytes = read_png(folder / "flip.png", width, height);
+  EXPECT_EQ(width, 64);
+  EXPECT_EQ(height, 2);
+  EXPECT_GT(int{bytes[0]} + bytes[1] + bytes[2], 100);
+  EXPECT_EQ((std::vector<uint8_t>(bytes.begin() + 3 * 63, bytes.begin() + 3 * 64)),
+            (std::vector<uint8_t>{0, 0, 0}));
 }
 
 }  // namespace

@@ -1,0 +1,14 @@
+// FLIP's error of each pixel as a picture.
+#pragma once
+
+#include <filesystem>
+
+#include "image/image.hpp"
+
+namespace regulus::image {
+
+/// PNG of flip_map (image.hpp) on the colours of write_heat_map, evenly from 0 (black) to 1 (pale yellow).
+/// @throws regulus::Error (BadFile, Failed).
+void write_flip_picture(const std::filesystem::path& path, const Image& image, const Image& reference);
+
+}  // namespace regulus::image
