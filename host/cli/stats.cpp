@@ -1,10 +1,10 @@
 #include "cli/stats.hpp"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <cmath>
 
+#include "base/process_usage.hpp"
 #include "base/version.hpp"
 #include "render/aov.hpp"
 
@@ -114,21 +114,6 @@ nlohmann::json stages_json(const render::RenderSettings& settings, const scene::
   return stages;
 }
 
-double cpu_seconds() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  const auto seconds = [](timeval time) {
-    return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec);
-  };
-  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
-uint64_t host_peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
-}
-
 }  // namespace
 
 nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
@@ -147,7 +132,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
             {"pipelines", times.pipeline_seconds},
             {"render", statistics.render_seconds},
             {"device", statistics.device_seconds},
-            {"cpu", cpu_seconds()}}},
+            {"cpu", process_cpu_seconds()}}},
           {"stages", stages_json(settings, scene, statistics)},
           {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
           {"spp_done", statistics.paths / pixels},
@@ -160,7 +145,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"wave_paths", statistics.wave_capacity},
           {"bytes_per_path", statistics.bytes_per_path},
           {"device_peak_bytes", device.peak_allocated_bytes()},
-          {"host_peak_bytes", host_peak_bytes()}};
+          {"host_peak_bytes", process_peak_bytes()}};
 }
 
 image::Attributes scene_attributes(const scene::Scene& scene, const render::RenderSettings& settings) {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <fstream>
 
+#include "cli/lit_floor.hpp"
 #include "cli/process.hpp"
-#include "images/support/gltf_scene.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -17,12 +17,7 @@ class RenderStop : public testing::Test {
  protected:
   void SetUp() override {
     REGULUS_SKIP_WITHOUT_DEVICE();
-    // A floor under a lamp that looks down: noise of moderate size in every pixel, without outliers.
-    GltfScene scene;
-    scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.5, 0.5, 0.5}));
-    scene.add({quad({-0.5, 1.5, -0.5}, {1, 0, 0}, {0, 0, 1})}, emitter({10, 10, 10}));
-    scene.set_perspective(look_at({0, 1, 0}, {0, 0, 0.001}), 1.0);
-    scene.write(file("scene.gltf"));
+    write_lit_floor(file("scene.gltf"));
   }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
 

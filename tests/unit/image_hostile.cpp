@@ -1,9 +1,9 @@
 // Corrupt OpenEXR files: an error of status BadFile or, where the damage cannot be seen, an image of the size
 // that the header claims; never another exception, and never memory out of proportion to the file.
-#include <sys/resource.h>
 
 #include <cstring>
 
+#include "base/process_usage.hpp"
 #include "image_files.hpp"
 #include "support/random.hpp"
 
@@ -32,12 +32,6 @@ std::string valid_file(const TemporaryFolder& folder) {
   const image::Image image = make_image(40, 50, [&](size_t) { return static_cast<float>(random.uniform()); });
   image::write_exr(folder / "valid.exr", image, {{"regulus:seed", "1"}}, {{"Z", std::vector<float>(2000)}});
   return read_bytes(folder / "valid.exr");
-}
-
-uint64_t host_peak_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 TEST(HostileExr, EveryTruncationIsRefused) {
@@ -80,7 +74,7 @@ TEST(HostileExr, ChangedBytesNeverCrash) {
   EXPECT_GT(refused, 0u);
   // OpenEXR itself allocates what a string attribute claims, below 2 GiB; the image may not add as much
   // again.
-  EXPECT_LT(host_peak_bytes(), uint64_t{3} << 30);
+  EXPECT_LT(process_peak_bytes(), uint64_t{3} << 30);
 }
 
 /// Overwrites the data window of a file of ours.
@@ -95,7 +89,7 @@ TEST(HostileExr, HugeWindowsAreRefusedBeforeAllocation) {
   const TemporaryFolder folder;
   const std::string bytes = valid_file(folder);
   constexpr int32_t LARGEST = std::numeric_limits<int32_t>::max();
-  const uint64_t before = host_peak_bytes();
+  const uint64_t before = process_peak_bytes();
   for (const std::array<int32_t, 4>& window : {std::array<int32_t, 4>{0, 0, LARGEST, LARGEST},
                                                {-LARGEST, -LARGEST, LARGEST, LARGEST},
                                                {0, 0, 65535, 65535},
@@ -105,7 +99,7 @@ TEST(HostileExr, HugeWindowsAreRefusedBeforeAllocation) {
                                                {0, 0, 30000, 30000}})
     EXPECT_EQ(read(folder, with_window(bytes, window), "window"), Outcome::Refused) << window[2];
   // Line buffers of the widest allowed image, 4 channels of 16 lines, are 16 MiB; a frame would be 12 GiB.
-  EXPECT_LT(host_peak_bytes() - before, uint64_t{256} << 20);
+  EXPECT_LT(process_peak_bytes() - before, uint64_t{256} << 20);
 }
 
 }  // namespace
