@@ -38,8 +38,9 @@ double seconds_since(Clock::time_point start) {
 // What can contribute, and values in place of "choose for me".
 RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings& asked) {
   RenderSettings settings = asked;
-  if (std::isinf(settings.tau)) settings.regularization = REGULARIZATION_NONE;
-  settings.techniques = effective_techniques(scene::find_features(scene), asked);
+  const scene::Features features = scene::find_features(scene);
+  settings.regularization = effective_regularization(features, asked);
+  settings.techniques = effective_techniques(features, asked);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   if (settings.merge_radius == 0)
     settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5f * glm::length(scene.bounds_max - scene.bounds_min);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string_view>
 
 #include "render/shaders.hpp"
@@ -29,10 +30,19 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
   constexpr uint32_t LIGHTS = EMITTERS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
   if ((features.bits & LIGHTS) == 0) techniques &= ~(TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES);
   if ((features.bits & EMITTERS) == 0) techniques &= ~TECHNIQUE_HIT;
-  const bool is_regularized = settings.regularization != REGULARIZATION_NONE;
+  const bool is_regularized = effective_regularization(features, settings) != REGULARIZATION_NONE;
   if (!features.has_connectible_surfaces && !is_regularized)
     techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
   return techniques;
+}
+
+uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings) {
+  if (std::isinf(settings.tau)) return REGULARIZATION_NONE;
+  // alpha_tau of math.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for refraction.
+  const float alpha = 1 / std::sqrt(std::numbers::pi_v<float> * settings.tau);
+  const bool is_sharp =
+      features.least_reflection_alpha < 0.5f * alpha || features.least_refraction_alpha < alpha;
+  return is_sharp || settings.bound != BOUND_PEAK ? settings.regularization : REGULARIZATION_NONE;
 }
 
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {

@@ -51,6 +51,28 @@ uint32_t specular_features(const Scene& scene, const interface::Material& materi
   return bits;
 }
 
+/// Least roughness between a factor's and a texture's texels.
+float least_roughness(const Scene& scene, float factor, uint32_t texture) {
+  return texture == INVALID_INDEX ? factor : factor * roughness_range(scene, scene.textures[texture]).first;
+}
+
+void find_sharpest_lobes(const Scene& scene, const interface::Material& material, Features& features) {
+  if (material.material_class == interface::MATERIAL_CLASS_DIFFUSE) return;
+  const float roughness = least_roughness(scene, material.roughness, material.metallic_roughness_texture);
+  float reflection = roughness;
+  if (material.clearcoat > 0)
+    reflection = std::min(reflection, least_roughness(scene, material.clearcoat_roughness,
+                                                      material.clearcoat_roughness_texture));
+  features.least_reflection_alpha = std::min(features.least_reflection_alpha, reflection * reflection);
+  const bool refracts = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
+                        (material.flags & interface::MATERIAL_VOLUME) != 0;
+  // |n - 1| / max(n, 1) is the same from both sides.
+  if (refracts)
+    features.least_refraction_alpha =
+        std::min(features.least_refraction_alpha,
+                 roughness * roughness * (material.ior - 1) / std::max(material.ior, 1.0f));
+}
+
 uint32_t material_features(const Scene& scene, const interface::Material& material) {
   uint32_t bits = specular_features(scene, material);
   for (const uint32_t texture :
@@ -143,6 +165,7 @@ Features find_features(const Scene& scene) {
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     if (!is_used[i]) continue;
     features.bits |= material_features(scene, scene.materials[i]);
+    find_sharpest_lobes(scene, scene.materials[i], features);
     features.material_classes |= 1u << scene.materials[i].material_class;
     features.has_connectible_surfaces =
         features.has_connectible_surfaces || is_connectible(scene.materials[i]);

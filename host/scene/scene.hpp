@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <optional>
 #include <span>
@@ -107,6 +108,10 @@ struct Features {
   uint32_t material_classes = 0;
   bool has_connectible_surfaces =
       false;  ///< some surface scatters other than as a perfect mirror or clear glass
+  /// Sharpest microfacet lobes, conservatively: least alpha of those that reflect, and of those that refract
+  /// with relative index n least alpha |n - 1| / max(n, 1). Infinite without such lobes.
+  float least_reflection_alpha = std::numeric_limits<float>::infinity();
+  float least_refraction_alpha = std::numeric_limits<float>::infinity();
 };
 Features find_features(const Scene& scene);
 

@@ -1,6 +1,7 @@
 // Which stages of the pass are built: none that a scene or the techniques do not need.
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 #include <string>
 
@@ -72,6 +73,34 @@ TEST(Stages, PathTracingHasNoLightSubpaths) {
   for (const std::string& name : needed(DIFFUSE | OPAQUE | TRANSMISSIVE, TECHNIQUE_HIT | TECHNIQUE_NEE))
     for (const char* part : {"light", "splat", "connect", "merge", "grid", "scan"})
       EXPECT_EQ(name.find(part), std::string::npos) << name;
+}
+
+// tau 100 raises reflection to alpha 1 / sqrt(400 pi) = 0.0282 and refraction by n = 1.5 to 3 / sqrt(100 pi)
+// = 0.169.
+TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
+  RenderSettings settings;
+  settings.regularization = REGULARIZATION_ROUGHNESS;
+  settings.tau = 100;
+  const auto is_dropped = [&](const scene::Features& features) {
+    return effective_regularization(features, settings) == REGULARIZATION_NONE;
+  };
+  scene::Features features;
+  EXPECT_TRUE(is_dropped(features)) << "no microfacet lobe";
+  features.least_reflection_alpha = 0.0283F;
+  EXPECT_TRUE(is_dropped(features));
+  features.least_reflection_alpha = 0.0281F;
+  EXPECT_FALSE(is_dropped(features));
+  features.least_reflection_alpha = 0.5F;
+  features.least_refraction_alpha = 0.170F / 3;
+  EXPECT_TRUE(is_dropped(features));
+  features.least_refraction_alpha = 0.168F / 3;
+  EXPECT_FALSE(is_dropped(features));
+  settings.tau = std::numeric_limits<float>::infinity();
+  EXPECT_TRUE(is_dropped(features));
+  settings.tau = 100;
+  settings.bound = BOUND_DIRECTIONAL;
+  features = {};
+  EXPECT_FALSE(is_dropped(features)) << "the alpha of other bounds depends on directions";
 }
 
 }  // namespace

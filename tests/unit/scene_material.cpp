@@ -282,6 +282,21 @@ TEST(SceneFeatures, RoughnessTexturesAreSearchedForZero) {
   EXPECT_EQ(features_of(128, 0), interface::FEATURE_DELTA_SPECULAR);
 }
 
+// alpha = roughness^2; refraction by n = 1.5 counts a third of it.
+TEST(SceneFeatures, TellTheSharpestLobes) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(2, 1, 3, 8, {0, 255, 0, 0, 204, 0}));
+  file.triangle_of({{"pbrMetallicRoughness",
+                     {{"metallicRoughnessTexture", {{"index", texture}}}, {"roughnessFactor", 0.5}}}});
+  EXPECT_NEAR(find_features(file.load()).least_reflection_alpha, 0.4 * 0.4, 1e-3);
+  EXPECT_TRUE(std::isinf(find_features(file.load()).least_refraction_alpha));
+  file.triangle_of({{"pbrMetallicRoughness", {{"roughnessFactor", 0.6}}},
+                    {"extensions",
+                     {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                      {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}});
+  EXPECT_NEAR(find_features(file.load()).least_refraction_alpha, 0.36 / 3, 1e-6);
+}
+
 TEST(SceneFeatures, FollowTheScene) {
   const json matte = {{"pbrMetallicRoughness", {{"metallicFactor", 0}}},
                       {"extensions", {{"KHR_materials_specular", {{"specularFactor", 0}}}}}};
