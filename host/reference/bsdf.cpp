@@ -238,6 +238,7 @@ BsdfSample Bsdf::sample_coat(const dvec3& wo, double u_choice, const dvec2& u) c
   BsdfSample result;
   result.wi = reflect_at(up, h);
   result.is_delta = is_coat_delta();
+  result.alpha = parameters_.coat_alpha;
   result.is_valid = result.wi.z > 0;
   if (wo.z < 0) result.wi = mirror_z(result.wi);
   return result;
@@ -300,6 +301,7 @@ BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec
   BsdfSample result;
   if (u_lobe < p_diffuse) {
     result.wi = sample_cosine_hemisphere(u);
+    result.is_diffuse = true;
   } else {
     double u_choice = (u_lobe - p_diffuse) / (1 - p_diffuse);
     const dvec3 h = is_delta() ? dvec3(0, 0, 1) : sample_visible_normal(surface_, wo, u, u_choice);
@@ -312,6 +314,8 @@ BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec
       result.wi = !reflects && parameters_.is_volume ? refract_at(wo, h, eta) : reflect_at(wo, h);
       if (!reflects && !parameters_.is_volume) result.wi = mirror_z(result.wi);
     }
+    result.is_refracted = result.is_transmitted && parameters_.is_volume;
+    result.alpha = parameters_.alpha;
   }
   if (result.is_transmitted ? result.wi.z >= 0 : result.wi.z <= 0) return {};
   if (wo_material.z < 0) result.wi = mirror_z(result.wi);

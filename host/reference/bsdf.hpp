@@ -42,6 +42,9 @@ struct BsdfSample {
   bool is_valid = false;  ///< false: the walk ends here (weight 0)
   bool is_delta = false;
   bool is_transmitted = false;
+  bool is_diffuse = false;           ///< drawn by the diffuse lobe
+  bool is_refracted = false;         ///< transmitted and bent
+  glm::dvec2 alpha = glm::dvec2(0);  ///< of the microfacet lobe that it was drawn by
   glm::dvec3 wi = glm::dvec3(0);
   glm::dvec3 weight = glm::dvec3(0);  ///< value |cos_i| / pdf; of a delta event its factor / probability
   double pdf_forward = 0;             ///< of wi given wo; of a delta event its discrete probability

@@ -48,6 +48,10 @@ class Camera {
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
+  bool is_orthographic() const { return is_orthographic_; }
+  double lens_radius() const { return lens_radius_; }  ///< m
+  /// Of one pixel: on the plane at distance 1 (perspective), or in space (orthographic).
+  double pixel_area() const { return pixel_area_; }
 
  private:
   glm::dvec3 lens_shift(const glm::dvec2& u) const;

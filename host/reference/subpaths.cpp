@@ -78,7 +78,7 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   Path& path = sampled.path;
   set_camera_part(path, camera, edges);
   path.light = light_end(world, point, -w);
-  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back, camera.regularization);
+  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization);
   if (is_black(path.light.emitted * connected_at(path, 1).value)) return std::nullopt;
 
   Edge& edge = path.edges[0];
@@ -107,7 +107,7 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   set_camera_part(path, camera, camera_edges);
   path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w, light.regularization);
   path.vertices[light_edges + 1] =
-      scattering_between(from.surface, from.bsdf, w, from.w_back, camera.regularization);
+      scattering_between(from.surface, from.bsdf, w, from.w_back, from.regularization);
   if (is_black(connected_at(path, light_edges).value * connected_at(path, light_edges + 1).value))
     return std::nullopt;
 
@@ -163,7 +163,7 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);
   path.vertices[light_edges] =
-      scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, camera.regularization);
+      scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, at.regularization);
   if (is_black(connected_at(path, light_edges).value)) return std::nullopt;
   return sampled;
 }

@@ -25,6 +25,11 @@ dvec3 mirror_if(bool is_back, const dvec3& w) {
   return is_back ? dvec3(w.x, w.y, -w.z) : w;
 }
 
+/// Relative index n(other side) / n(side of w_back).
+double index_ahead(const WalkVertex& vertex) {
+  return vertex.bsdf.relative_index(to_material(vertex.surface, as_seen(vertex.surface, vertex.w_back)));
+}
+
 /// Samples the bsdf in the frame that device and reference share: Basis on the shading normal of the side on
 /// which w_back is. Returns the sample with its wi in world space; invalid where the normals disagree.
 BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportMode transport) {
@@ -158,6 +163,19 @@ Regularization regularization_of(const Settings& settings, uint32_t sample) {
   return regularization;
 }
 
+Regularization regularization_at(const Settings& settings, uint32_t sample, const Footprint& footprint) {
+  // Below this a bundle counts as sharp, whatever tau is.
+  constexpr double MIN_DIFFUSION = 1e-6;
+  Regularization regularization = regularization_of(settings, sample);
+  constexpr uint32_t PATH_TRACING = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  if (!regularization.has_diffusion || (settings.techniques & ~PATH_TRACING) != 0) return regularization;
+  const double sigma = diffusion(footprint);
+  regularization.has_diffusion = false;  // no levels: the vertex's own tau says it all
+  regularization.tau /= std::max(sigma, MIN_DIFFUSION);
+  if (sigma <= MIN_DIFFUSION) regularization.is_on = false;
+  return regularization;
+}
+
 dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block) {
   const RandomBits bits = settings.sampler == SAMPLER_SOBOL ? sobol_bits(settings.seed, stream, sample, block)
                                                             : hash_bits(settings.seed, stream, sample, block);
@@ -188,8 +206,7 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
                          const dvec4& u, const Regularization& regularization) {
   const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
     if (step.is_transmitted && vertex.bsdf.parameters().is_volume) {
-      const double eta =
-          vertex.bsdf.relative_index(to_material(vertex.surface, as_seen(vertex.surface, vertex.w_back)));
+      const double eta = index_ahead(vertex);
       state.eta_scale *= eta * eta;
     }
     return bounce < ROULETTE_FIRST_BOUNCE
@@ -220,6 +237,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   subpath.density = camera.density(subpath.ray.direction);
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
+  Footprint footprint = footprint_at_lens(camera);
   Ray ray{state.position, state.direction};
   Surface start_surface;
   const Surface* start = nullptr;
@@ -232,10 +250,15 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     }
     subpath.vertices.push_back(*vertex);
     WalkVertex& reached = subpath.vertices.back();
+    footprint = travelled(footprint, reached.edge.distance);
+    reached.regularization = regularization_at(settings, sample, footprint);
     if (bounce + 2 > settings.max_depth) break;
     const dvec4 u =
         walk.block(DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF);
-    if (!scatter_from_camera(world, reached, state, bounce, u, subpath.regularization)) break;
+    if (!scatter_from_camera(world, reached, state, bounce, u, reached.regularization)) break;
+    const double side = dot(reached.w_back, reached.surface.geometric_normal) < 0 ? -1 : 1;
+    footprint = scattered(footprint, reached.sample, side * world.mean_curvature(reached.surface.triangle),
+                          index_ahead(reached));
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
     ray = world.ray_from(reached.surface, state.direction);
     start_surface = reached.surface;

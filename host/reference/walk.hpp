@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reference/camera.hpp"
+#include "reference/footprint.hpp"
 #include "reference/lights.hpp"
 #include "reference/path.hpp"
 #include "reference/world.hpp"
@@ -47,6 +48,10 @@ struct Settings {
 /// iteration i = 1, 2, ... (math.md section 7).
 Regularization regularization_of(const Settings& settings, uint32_t sample);
 
+/// The same for a vertex where camera paths arrive with `footprint`. With light subpaths, whose vertices
+/// cannot know it, or without path diffusion, the footprint does not matter.
+Regularization regularization_at(const Settings& settings, uint32_t sample, const Footprint& footprint);
+
 /// Block `block` of a stream's random numbers: a camera path's stream is its pixel, a light path's its index;
 /// a light path's sample is the iteration.
 glm::dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, uint32_t block);
@@ -60,8 +65,9 @@ struct WalkVertex {
   uint32_t medium = interface::INVALID_INDEX;  ///< through which the walk arrived
   double survival = 1;                         ///< probability that roulette let the walk come this far
   glm::dvec3 throughput{1};  ///< of the walk on arrival, roulette divided out; for roulette and for reading
-  VertexScattering scattering{};  ///< of the step to the next vertex; means nothing at the last one
-  BsdfSample sample{};            ///< likewise
+  Regularization regularization{};  ///< of the walk, or with path diffusion in path tracing of this vertex
+  VertexScattering scattering{};    ///< of the step to the next vertex; means nothing at the last one
+  BsdfSample sample{};              ///< likewise
 };
 
 /// What a walk carries from vertex to vertex.

@@ -81,6 +81,26 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   return surface;
 }
 
+double World::mean_curvature(uint32_t index) const {
+  if (!has_smooth_normals_) return 0;
+  const Triangle& triangle = scene_.triangles[index];
+  const std::array<uint32_t, 3> corners = {triangle.v0, triangle.v1, triangle.v2};
+  std::array<dvec3, 3> p, n;
+  for (size_t i = 0; i < 3; ++i) {
+    p[i] = dvec3(scene_.vertices[corners[i]].position);
+    n[i] = dvec3(scene_.vertices[corners[i]].normal);
+  }
+  const dvec3 doubled = cross(p[1] - p[0], p[2] - p[0]);
+  const double longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
+  if (!(length(doubled) > 1e-6 * longest * longest)) return 0;
+  // The gradient of vertex i's barycentric coordinate is N x (opposite edge) / (2 area).
+  double divergence = 0;
+  for (size_t i = 0; i < 3; ++i)
+    divergence += dot(n[i], cross(doubled, p[(i + 2) % 3] - p[(i + 1) % 3])) / dot(doubled, doubled);
+  const double side = dot(n[0] + n[1] + n[2], doubled) < 0 ? -1 : 1;
+  return std::clamp(side * divergence / 2, -1 / longest, 1 / longest);
+}
+
 void World::set_anisotropy(Surface& surface, const Triangle& triangle, const dvec3& b) const {
   const Material& material = scene_.materials[triangle.material];
   if (!(material.anisotropy > 0)) return;

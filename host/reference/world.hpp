@@ -46,6 +46,10 @@ class World {
   /// The point of a triangle with these barycentrics (of its second and third vertex).
   Surface surface_at(uint32_t triangle, const glm::dvec2& barycentrics) const;
 
+  /// Mean curvature of a triangle's interpolated normals: half their divergence over its plane, 1/m, positive
+  /// where the front is convex; at most one over the longest edge. 0 without vertex normals.
+  double mean_curvature(uint32_t triangle) const;
+
   /// The material at a surface point, textures applied.
   Bsdf bsdf_at(const Surface& surface) const;
 

@@ -107,7 +107,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
     STORE(PathHistoryBuffer, frame.path_histories, slot, history);
   }
   if (has_footprints()) {
-    float curvature = mean_curvature(frame, triangle);
+    float curvature = curvature_at(frame, triangle);
     footprint = scattered(footprint, point.bsdf, next, point.is_front ? curvature : -curvature);
     STORE(Vec3Buffer, frame.path_footprints, slot, footprint);
   }

@@ -32,14 +32,22 @@ vec3 travelled(vec3 footprint, float distance) {
 // sigma~ of math.md 5: 0 sharp, 1 as wide as after a Lambert lobe. A vertex is regularized with tau / sigma~.
 float diffusion(vec3 footprint) { return min(2.0 * sqrt(max(footprint.z, 0.0)), 1.0); }
 
+// Reflected by a surface of mean curvature `curvature` (1/m), positive where it is convex towards the ray:
+// a' = a + 2 H x.
+vec3 reflected(vec3 footprint, float curvature) {
+  float x = footprint.x, c = footprint.y, bend = 2.0 * curvature;
+  return vec3(x, c + bend * x, footprint.z + bend * (2.0 * c + bend * x));
+}
+
+// Refracted, with e = eta_i / eta_t: a' = e a - (1 - e) H x.
+vec3 refracted(vec3 footprint, float e, float curvature) {
+  float x = footprint.x, c = footprint.y, bend = (1.0 - e) * curvature;
+  return vec3(x, e * c - bend * x, e * e * footprint.z - bend * (2.0 * e * c - bend * x));
+}
+
 // Mean curvature (1/m) of a triangle's interpolated normals: half the trace of dn/dx over its plane. Positive where the
 // front is convex. At most one over the longest edge, which is as fine as the mesh can tell.
-float mean_curvature(Frame frame, uint triangle_index) {
-  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 0.0;
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
-  Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
-  Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
-  Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
+float mean_curvature(Vertex v0, Vertex v1, Vertex v2) {
   vec3 e1 = v1.position - v0.position, e2 = v2.position - v0.position, e3 = e2 - e1;
   float longest = sqrt(max(dot(e1, e1), max(dot(e2, e2), dot(e3, e3))));
   vec3 u1 = e1 / longest, u2 = e2 / longest;
@@ -54,26 +62,27 @@ float mean_curvature(Frame frame, uint triangle_index) {
   return side * clamp(0.5 * trace, -1.0, 1.0) / longest;
 }
 
-// After scattering by `event` at a surface of mean curvature `curvature`, positive where it is convex towards the ray.
+float curvature_at(Frame frame, uint triangle_index) {
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 0.0;
+  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
+  return mean_curvature(LOAD(VertexBuffer, frame.vertices, triangle.v0), LOAD(VertexBuffer, frame.vertices, triangle.v1),
+                        LOAD(VertexBuffer, frame.vertices, triangle.v2));
+}
+
+// After scattering by `event` at a surface of mean curvature `curvature`.
 vec3 scattered(vec3 footprint, Bsdf bsdf, BsdfSample event, float curvature) {
   if ((event.flags & BSDF_SAMPLE_DIFFUSE) != 0u) return vec3(footprint.x, 0.0, MAX_ANGULAR_VARIANCE);
   vec2 alpha = (event.flags & BSDF_SAMPLE_COAT) != 0u ? bsdf.coat_alpha : bsdf.alpha;
-  float x = footprint.x, c = footprint.y, a = footprint.z;
   float lobe = 2.0 * alpha.x * alpha.y;
   if (event.facet.is_refracted) {
-    // The angle turns by a' = e a - (1 - e) H x.
-    float e = bsdf.inverse_eta, bend = (1.0 - e) * curvature;
-    lobe *= 0.25 * square(1.0 - e);
-    a = e * e * a - 2.0 * e * bend * c + bend * bend * x;
-    c = e * c - bend * x;
+    lobe *= 0.25 * square(1.0 - bsdf.inverse_eta);
+    footprint = refracted(footprint, bsdf.inverse_eta, curvature);
   } else if (!event.facet.is_transmitted) {
-    // a' = a + 2 H x
-    a += 4.0 * curvature * (c + curvature * x);
-    c += 2.0 * curvature * x;
+    footprint = reflected(footprint, curvature);
   }
-  a = min(max(a, 0.0) + lobe, MAX_ANGULAR_VARIANCE);
-  float most = sqrt(x * a);
-  return vec3(x, clamp(c, -most, most), a);
+  footprint.z = min(max(footprint.z, 0.0) + lobe, MAX_ANGULAR_VARIANCE);
+  float most = sqrt(footprint.x * footprint.z);
+  return vec3(footprint.x, clamp(footprint.y, -most, most), footprint.z);
 }
 
 #endif
