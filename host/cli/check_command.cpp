@@ -155,18 +155,13 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
         {"lt", TECHNIQUE_SPLAT},
         {"bpt", WALK_TECHNIQUES | TECHNIQUE_CONNECT},
         {"bpm", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE},
-        {"vcm", WALK_TECHNIQUES | TECHNIQUE_CONNECT | TECHNIQUE_MERGE}}) {
-    // Without light subpaths diffusion is not by levels, the only ones that the reference knows.
-    const bool has_levels = (techniques & render::LIGHT_SUBPATH_TECHNIQUES) != 0;
-    if ((subject.settings.regularization & REGULARIZATION_DIFFUSION) != 0 && !has_levels) continue;
+        {"vcm", WALK_TECHNIQUES | TECHNIQUE_CONNECT | TECHNIQUE_MERGE}})
     is_passed = report(check_image(device, subject, name, techniques)) && is_passed;
-  }
   return is_passed;
 }
 
 bool check_images(gpu::Device& device, const check::Subject& subject, const CheckOptions& options) {
   std::optional<uint32_t> other;
-  if (options.against.empty()) require_known_diffusion(subject.settings);
   if (!options.against.empty()) other = parse_technique_set(options.against);
   fmt::print("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
              subject.settings.samples, subject.settings.width, subject.settings.height,
@@ -208,7 +203,6 @@ void run_check(CLI::App& command, CheckOptions& options) {
                   fmt::format("{}: device and reference differ, see above", scene.path.string()));
     return;
   }
-  require_known_diffusion(settings);
   const PathName path = parse_path(options.path, settings);
   const uint32_t pixel = path.y * settings.width + path.x;
   render::StageRecorder recorder(device, scene, bvh, settings, 1);

@@ -6,15 +6,6 @@
 
 namespace regulus::cli {
 
-void require_known_diffusion(const render::RenderSettings& settings) {
-  const bool has_levels = (settings.techniques & render::LIGHT_SUBPATH_TECHNIQUES) != 0;
-  if ((settings.regularization & interface::REGULARIZATION_DIFFUSION) != 0 && !has_levels)
-    throw Error(
-        ExitStatus::BadUsage,
-        "the scalar reference knows path diffusion by levels only: give --diffusion off, or an integrator "
-        "with light paths");
-}
-
 reference::Settings reference_settings(const render::RenderSettings& settings) {
   constexpr uint32_t UNKNOWN = interface::REGULARIZATION_VIRTUAL_MERGE;
   if ((settings.regularization & UNKNOWN) != 0 ||
@@ -51,7 +42,6 @@ reference::Settings reference_settings(const render::RenderSettings& settings) {
 ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh& bvh,
                                       const render::RenderSettings& settings,
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress) {
-  require_known_diffusion(settings);
   const reference::Settings wanted = reference_settings(settings);
   const reference::World world(scene, bvh, wanted.ndf, wanted.shadowing);
   const uint64_t pixels = uint64_t{wanted.width} * wanted.height;

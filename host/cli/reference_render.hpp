@@ -11,13 +11,9 @@
 
 namespace regulus::cli {
 
-/// Path tracing alone regularizes by the width of the bundle of paths, which the reference does not trace.
-/// @throws regulus::Error (BadUsage) if the settings ask for that.
-void require_known_diffusion(const render::RenderSettings& settings);
-
 /// The reference's settings for a render's.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler
-/// quality, clamping.
+/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler quality, clamping,
+/// energy compensation, crops, AOVs.
 reference::Settings reference_settings(const render::RenderSettings& settings);
 
 /// A render by the reference: the mean image and the iterations (samples of every pixel) in it.
