@@ -219,12 +219,12 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->capture_default_str();
   command
       .add_option(
-          "--regularization", settings.regularization,
+          "--regularization", options.regularization,
           "How connections and merges see glossy and specular surfaces: none (as they are), roughness "
           "(with raised roughness), virtual-merge (by what they send into a small cone), both (with raised "
           "roughness, and as they are)")
       ->transform(CLI::CheckedTransformer(REGULARIZATION_NAMES))
-      ->default_str("none");
+      ->default_str(options.regularization == REGULARIZATION_NONE ? "none" : "roughness");
   command
       .add_option(
           "--tau", settings.tau,
@@ -400,6 +400,7 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.aovs = render::parse_aovs(options.aovs);
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
+  settings.regularization = options.regularization;
   if (settings.regularization != REGULARIZATION_NONE)
     settings.regularization |= options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);
