@@ -12,8 +12,8 @@
 namespace regulus::cli {
 
 /// The reference's settings for a render's.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler quality, clamping,
-/// energy compensation, crops, AOVs.
+/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler quality,
+/// clamping, energy compensation, crops, AOVs.
 reference::Settings reference_settings(const render::RenderSettings& settings);
 
 /// A render by the reference: the mean image and the iterations (samples of every pixel) in it.

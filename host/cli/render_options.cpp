@@ -224,7 +224,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "(with raised roughness), virtual-merge (by what they send into a small cone), both (with raised "
           "roughness, and as they are)")
       ->transform(CLI::CheckedTransformer(REGULARIZATION_NAMES))
-      ->default_str(options.regularization == REGULARIZATION_NONE ? "none" : "roughness");
+      ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
   command
       .add_option(
           "--tau", settings.tau,
@@ -400,7 +400,10 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.aovs = render::parse_aovs(options.aovs);
   settings.techniques =
       parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
-  settings.regularization = options.regularization;
+  // Measured: merging finds what regularization would, and gains nothing from it (README.md).
+  const bool has_merges = (settings.techniques & TECHNIQUE_MERGE) != 0;
+  settings.regularization =
+      options.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
   if (settings.regularization != REGULARIZATION_NONE)
     settings.regularization |= options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);

@@ -27,7 +27,8 @@ struct RenderOptions {
   std::string integrator = "pt";
   std::string techniques;  ///< comma-separated; empty: the integrator's
   std::string connections = "paired";
-  uint32_t regularization = interface::REGULARIZATION_ROUGHNESS;
+  std::optional<uint32_t>
+      regularization;  ///< REGULARIZATION_*; none: roughness, but nothing where vertices are merged
   uint32_t tau_schedule = interface::REGULARIZATION_CONSISTENT;  ///< or 0: fixed
   uint32_t diffusion = interface::REGULARIZATION_DIFFUSION;      ///< or 0: off
   std::string merge_radius;                                      ///< metres or percent; empty: the default
