@@ -6,7 +6,7 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # leaves no cache in the source tree
-from generator import big, cornell, furnace, gallery, lamp, mirrors, plates, pool, ring, smallvcm, watch  # noqa: E402
+from generator import bazaar, big, cornell, furnace, gallery, lamp, mirrors, plates, pool, ring, smallvcm, watch  # noqa: E402
 
 SCENES = {"cornell": cornell, "plates": plates, "mirrors": mirrors, "furnace": furnace,
           "watch": watch, "ring": ring, "pool": pool, "lamp": lamp, "smallvcm": smallvcm, "gallery": gallery}
@@ -19,9 +19,15 @@ def main():
                         help="folder that gets one folder per scene (where this program is)")
     parser.add_argument("--big", type=pathlib.Path, metavar="OUT.glb",
                         help="write only the benchmark scene of a million triangles, to this file")
+    parser.add_argument("--bazaar", type=pathlib.Path, metavar="OUT.glb",
+                        help="write only the benchmark scene of a hundred thousand emitters, to this file")
+    parser.add_argument("--lit", type=int, default=100000, help="how many of them emit; 0: one other triangle (100000)")
     arguments = parser.parse_args()
     if arguments.big:
         big.build().write_glb(arguments.big)
+        return
+    if arguments.bazaar:
+        bazaar.build(arguments.lit).write_glb(arguments.bazaar)
         return
     unknown = [name for name in arguments.names if name not in SCENES]
     if unknown:

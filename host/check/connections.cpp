@@ -14,6 +14,7 @@
 #include "check/check.hpp"
 #include "check/sorting.hpp"
 #include "reference/estimator.hpp"
+#include "reference/light_choice.hpp"
 #include "reference/parallel.hpp"
 
 namespace regulus::check {
@@ -373,9 +374,11 @@ class ConnectionChecker {
         random_block(settings_, item.pixel, sample_,
                      DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_LIGHT);
     const reference::World& world = subject_.world;
-    const auto point =
-        sample_light_point(world, reference::select_light(world.scene(), {u.x, u.y}), {u.z, u.w});
-    return connect_to_light(world, point, camera, item.camera_edges);
+    const reference::WalkVertex& vertex = camera.vertices[item.camera_edges - 1];
+    const std::optional<uint32_t> light =
+        choose_light(world, receiver_at(world, vertex.surface, vertex.w_back), {u.x, u.y});
+    if (!light) return std::nullopt;
+    return connect_to_light(world, sample_light_point(world, *light, {u.z, u.w}), camera, item.camera_edges);
   }
 
   Expected merges(const Iteration& iteration, const reference::CameraSubpath& camera, size_t edges) const {

@@ -184,7 +184,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   gpu::Device device({.select = options.render.device, .software_stage_times = false});
   fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 
-  const reference::World world(scene, bvh, settings.ndf, settings.shadowing);
+  const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling);
   const reference::Camera camera(
       scene::make_camera(scene.cameras.at(settings.camera), settings.width, settings.height), settings.width,
       settings.height);

@@ -84,7 +84,8 @@ Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::R
       {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
       {"materials", bytes(scene.materials)},
       {"textures", bytes(scene.textures) + bytes(scene.texels)},
-      {"lights", bytes(scene.lights) + bytes(scene.light_aliases)},
+      {"lights", bytes(scene.lights) + bytes(scene.light_aliases) + bytes(scene.light_tree.pairs) +
+                     bytes(scene.light_tree.trails)},
       {"environment",
        scene.environment ? bytes(scene.environment->texels) + bytes(scene.environment->cdf) : uint64_t{0}},
       {"film", pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)}};

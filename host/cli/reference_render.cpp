@@ -43,7 +43,7 @@ ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh&
                                       const render::RenderSettings& settings,
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress) {
   const reference::Settings wanted = reference_settings(settings);
-  const reference::World world(scene, bvh, wanted.ndf, wanted.shadowing);
+  const reference::World world(scene, bvh, wanted.ndf, wanted.shadowing, settings.light_sampling);
   const uint64_t pixels = uint64_t{wanted.width} * wanted.height;
   const reference::Film film = reference::render(
       world, wanted, [&](uint32_t done, uint32_t total) { return progress(done * pixels, total * pixels); });

@@ -30,6 +30,10 @@ const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMI
 const std::map<std::string, uint32_t> FILTER_NAMES = {
     {"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}, {"blackman-harris", FILTER_BLACKMAN_HARRIS}};
 const std::map<std::string, uint32_t> SAMPLER_NAMES = {{"sobol", SAMPLER_SOBOL}, {"hash", SAMPLER_HASH}};
+const std::map<std::string, uint32_t> LIGHT_SAMPLING_NAMES = {{"auto", LIGHT_SAMPLING_AUTO},
+                                                              {"bvh", LIGHT_SAMPLING_BVH},
+                                                              {"power", LIGHT_SAMPLING_POWER},
+                                                              {"uniform", LIGHT_SAMPLING_UNIFORM}};
 const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {
     {"none", REGULARIZATION_NONE},
     {"roughness", REGULARIZATION_ROUGHNESS},
@@ -206,6 +210,13 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       .add_option("--light-paths", settings.light_paths,
                   "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
       ->check(CLI::Range(1u, 1u << 28));
+  command
+      .add_option(
+          "--light-sampling", settings.light_sampling,
+          "How surfaces choose the light they sample: bvh (by what it can send there), power, uniform, "
+          "auto (bvh where there are several)")
+      ->transform(CLI::CheckedTransformer(LIGHT_SAMPLING_NAMES))
+      ->default_str("auto");
   command.add_option("--connections", options.connections,
                      "Light vertices a camera vertex connects to: paired (those of its own light path) or "
                      "cache:M (M drawn from all of the iteration)");

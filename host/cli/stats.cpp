@@ -25,6 +25,7 @@ constexpr const char* MIS_NAMES[] = {"blended", "corrected", "unmodified"};
 constexpr const char* SAMPLER_QUALITY_NAMES[] = {"off", "on", "smooth"};
 constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
 constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
+constexpr const char* LIGHT_SAMPLING_NAMES[] = {"power", "bvh", "uniform", "auto"};
 constexpr const char* SAMPLER_NAMES[] = {"sobol", "hash"};
 constexpr const char* FILTER_NAMES[] = {"box", "gaussian", "blackman-harris"};
 
@@ -51,6 +52,7 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
       {"seed", settings.seed},
       {"sampler", SAMPLER_NAMES[settings.sampler]},
       {"techniques", techniques},
+      {"light_sampling", LIGHT_SAMPLING_NAMES[settings.light_sampling]},
       {"light_paths", settings.light_paths},
       {"cache_connections", settings.cache_connections},
       {"merge_radius", settings.merge_radius},

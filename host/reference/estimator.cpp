@@ -5,6 +5,8 @@
 #include <numbers>
 #include <utility>
 
+#include "reference/light_choice.hpp"
+
 namespace regulus::reference {
 
 using glm::dvec2;
@@ -164,9 +166,12 @@ void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache*
       const glm::dvec4 u =
           random_block(settings_, pixel, sample,
                        DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_LIGHT);
-      const LightPoint point =
-          sample_light_point(world_, select_light(world_.scene(), {u.x, u.y}), {u.z, u.w});
-      emit(connect_to_light(world_, point, camera, edges), set, sink);
+      const WalkVertex& vertex = camera.vertices[edges - 1];
+      const std::optional<uint32_t> light =
+          choose_light(world_, receiver_at(world_, vertex.surface, vertex.w_back), {u.x, u.y});
+      if (light)
+        emit(connect_to_light(world_, sample_light_point(world_, *light, {u.z, u.w}), camera, edges), set,
+             sink);
     }
     if (cache == nullptr) continue;
     if ((set.bits & TECHNIQUE_CONNECT) != 0) connect(camera, edges, pixel, sample, *cache, set, sink);

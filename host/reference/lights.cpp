@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "reference/environment.hpp"
+#include "reference/light_choice.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -56,6 +57,12 @@ dvec3 sample_triangle_direction(const World& world, const Surface& surface, dvec
   return Basis(normal).to_world(sample_cosine_hemisphere(u));
 }
 
+/// Density of sample_light_point().
+double density_on_light(const World& world, const LightPoint& point) {
+  if (point.kind == LIGHT_ENVIRONMENT) return environment_pdf(*world.scene().environment, point.direction);
+  return point.is_triangle() ? 1 / point.surface.area : 1;
+}
+
 }  // namespace
 
 uint32_t select_light(const scene::Scene& scene, const dvec2& u) {
@@ -99,10 +106,13 @@ std::optional<LightPoint> light_point_at(const Surface& surface) {
 }
 
 double light_point_pdf(const World& world, const LightPoint& point) {
-  const double selection = light_of(world, point).selection_pdf;
-  if (point.kind == LIGHT_ENVIRONMENT)
-    return selection * environment_pdf(*world.scene().environment, point.direction);
-  return point.is_triangle() ? selection / point.surface.area : selection;
+  return light_of(world, point).selection_pdf * density_on_light(world, point);
+}
+
+double connection_pdf(const World& world, const LightPoint& point, const Surface& surface,
+                      const dvec3& w_light) {
+  return choice_probability(world, receiver_at(world, surface, w_light), point.light) *
+         density_on_light(world, point);
 }
 
 double spot_falloff(const Light& light, double cos_angle) {

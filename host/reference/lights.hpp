@@ -33,8 +33,8 @@ struct LightPoint {
   bool is_distant() const { return reference::is_distant(kind); }
 };
 
-/// The light that two uniform numbers choose. The bucket is found in single precision like the device's: it
-/// is a decision, and decisions have to agree. Precondition: the scene has lights.
+/// The light that two uniform numbers choose by power. The bucket is found in single precision like the
+/// device's: it is a decision, and decisions have to agree. Precondition: the scene has lights.
 uint32_t select_light(const scene::Scene& scene, const glm::dvec2& u);
 
 /// A point of the light: uniform on a triangle, the position of a point or spot light, a direction of the
@@ -47,10 +47,14 @@ std::optional<LightPoint> light_point_at(const Surface& surface);
 /// The environment as it lies in unit direction `w`. Nothing if it is no light.
 std::optional<LightPoint> environment_point(const World& world, const glm::dvec3& w);
 
-/// Density of choosing the point, by selection and sample_light_point(): per square metre for triangles, per
-/// steradian for the environment, discrete for the others. Connections and light walks choose alike (pc = pt
-/// of math.md section 1).
+/// Density with which a light walk chooses the point to start at, by selection and sample_light_point(): per
+/// square metre for triangles, per steradian for the environment, discrete for the others (pt of math.md
+/// section 1).
 double light_point_pdf(const World& world, const LightPoint& point);
+
+/// The same for next-event estimation at a surface point that is lit from the side of `w_light` (pc).
+double connection_pdf(const World& world, const LightPoint& point, const Surface& surface,
+                      const glm::dvec3& w_light);
 
 /// What the point emits along unit `direction` (away from it): radiance of a triangle (0 from a back face
 /// that does not emit) or the environment, intensity of a point or spot light, irradiance across the rays of

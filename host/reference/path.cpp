@@ -140,7 +140,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
 
 LightEnd light_end(const World& world, const LightPoint& point, const dvec3& direction) {
   return {point.kind, emitted(world, point, direction), light_point_pdf(world, point),
-          emission_density(world, point, direction)};
+          emission_density(world, point, direction), 0};
 }
 
 }  // namespace regulus::reference

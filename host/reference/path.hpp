@@ -54,9 +54,10 @@ struct Edge {
 /// x_0 as the path sees it.
 struct LightEnd {
   uint32_t kind = interface::LIGHT_TRIANGLE;
-  glm::dvec3 emitted{0};  ///< towards x_1, see reference::emitted()
-  double point_pdf = 0;   ///< of choosing x_0, see light_point_pdf()
-  RayDensity density;     ///< of a light walk's direction to x_1
+  glm::dvec3 emitted{0};   ///< towards x_1, see reference::emitted()
+  double point_pdf = 0;    ///< of choosing x_0, see light_point_pdf()
+  RayDensity density;      ///< of a light walk's direction to x_1
+  double connect_pdf = 0;  ///< of choosing x_0 from x_1, see connection_pdf(); 0 on a path of one edge
 };
 
 /// The path.

@@ -49,6 +49,9 @@ std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& ca
   SampledPath sampled{path_of_length(edges), TECHNIQUE_HIT, 0, last.survival};
   set_camera_part(sampled.path, camera, edges);
   sampled.path.light = light_end(world, *point, last.w_back);
+  if (edges > 1)
+    sampled.path.light.connect_pdf =
+        connection_pdf(world, *point, camera.vertices[edges - 2].surface, -last.w_back);
   if (is_black(sampled.path.light.emitted)) return std::nullopt;
   return sampled;
 }
@@ -61,9 +64,13 @@ std::optional<SampledPath> hit_environment(const World& world, const CameraSubpa
   const size_t edges = camera.vertices.size();
   SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_HIT, 0, escape.survival};
   set_camera_part(sampled.path, camera, edges);
-  if (edges > 0) sampled.path.vertices[1] = camera.vertices[edges - 1].scattering;
   sampled.path.edges[0].cos_camera_end = escape.cos_start;
   sampled.path.light = light_end(world, *point, -escape.direction);
+  if (edges > 0) {
+    const WalkVertex& last = camera.vertices[edges - 1];
+    sampled.path.vertices[1] = last.scattering;
+    sampled.path.light.connect_pdf = connection_pdf(world, *point, last.surface, escape.direction);
+  }
   if (is_black(sampled.path.light.emitted)) return std::nullopt;
   return sampled;
 }
@@ -78,6 +85,7 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   Path& path = sampled.path;
   set_camera_part(path, camera, edges);
   path.light = light_end(world, point, -w);
+  path.light.connect_pdf = connection_pdf(world, point, last.surface, w);
   path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization);
   if (is_black(path.light.emitted * connected_at(path, 1).value)) return std::nullopt;
 

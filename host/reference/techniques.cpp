@@ -48,7 +48,9 @@ struct WeighedPath {
 Technique technique(const WeighedPath& paths, uint32_t kind, size_t vertex, double samples, size_t light,
                     size_t camera) {
   const auto density = [&](const Path& path) {
-    const Wide light_pdf = light == 0 ? Wide{1} : light_walk_pdf(path, light);
+    const Wide light_pdf = light == 0              ? Wide{1}
+                           : kind == TECHNIQUE_NEE ? static_cast<Wide>(path.light.connect_pdf)
+                                                   : light_walk_pdf(path, light);
     return static_cast<Wide>(samples) * light_pdf * camera_walk_pdf(path, camera);
   };
   return {kind, vertex, density(paths.path), density(paths.weighted)};

@@ -293,8 +293,10 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
     const std::optional<WalkVertex> vertex = walk.next_vertex(bounce, ray, start, state, cos_start, false);
     if (!vertex) break;
     subpath.vertices.push_back(*vertex);
-    if (bounce + 2 == settings.max_depth) break;
     WalkVertex& reached = subpath.vertices.back();
+    if (bounce == 0)
+      subpath.end.connect_pdf = connection_pdf(world, subpath.point, reached.surface, reached.w_back);
+    if (bounce + 2 == settings.max_depth) break;
     const dvec4 u = walk.block(DIMENSION_BLOCK_LIGHT_BSDF + bounce);
     if (!scatter_from_light(world, reached, state, bounce, u, subpath.regularization)) break;
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));

@@ -27,11 +27,13 @@ constexpr double MIN_MAPPED_COS = 0.01;
 
 }  // namespace
 
-World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing)
+World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing,
+             uint32_t light_sampling)
     : scene_(scene),
       traversal_(tree, &scene),
       ndf_(ndf),
       shadowing_(shadowing),
+      light_sampling_(scene::resolve_light_sampling(light_sampling, scene.lights.size())),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5 * glm::length(dvec3(scene.bounds_max) - dvec3(scene.bounds_min))),
       has_smooth_normals_((scene::find_features(scene).bits & FEATURE_SMOOTH_NORMALS) != 0) {

@@ -34,10 +34,14 @@ class World {
  public:
   /// The scene must have been prepared by bvh::build_for_scene, whose result is `tree`.
   World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf = interface::NDF_GGX,
-        uint32_t shadowing = interface::SHADOWING_SMITH);
+        uint32_t shadowing = interface::SHADOWING_SMITH,
+        uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO);
 
   const scene::Scene& scene() const { return scene_; }
   const Traversal& traversal() const { return traversal_; }
+
+  /// How next-event estimation chooses a light: LIGHT_SAMPLING_*, resolved.
+  uint32_t light_sampling() const { return light_sampling_; }
 
   /// Centre and radius of the sphere around the scene's bounds: where directional light starts.
   const glm::dvec3& center() const { return center_; }
@@ -84,7 +88,7 @@ class World {
 
   const scene::Scene& scene_;
   Traversal traversal_;
-  uint32_t ndf_, shadowing_;
+  uint32_t ndf_, shadowing_, light_sampling_;
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;

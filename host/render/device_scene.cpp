@@ -5,14 +5,20 @@ namespace regulus::render {
 namespace {
 
 const scene::Environment NO_ENVIRONMENT;
+const scene::LightTree NO_LIGHT_TREE;
 
 const scene::Environment& environment_of(const scene::Scene& scene) {
   return scene.environment ? *scene.environment : NO_ENVIRONMENT;
 }
 
+const scene::LightTree& light_tree_of(const scene::Scene& scene, bool is_used) {
+  return is_used ? scene.light_tree : NO_LIGHT_TREE;
+}
+
 }  // namespace
 
-DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh)
+DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                         bool has_light_tree)
     : bvh_nodes_(gpu::upload_new(device, bvh.nodes, "bvh nodes")),
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
@@ -24,9 +30,14 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       texels_(gpu::upload_new(device, scene.texels, "texels")),
       lights_(gpu::upload_new(device, scene.lights, "lights")),
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
+      light_pairs_(gpu::upload_new(device, light_tree_of(scene, has_light_tree).pairs, "light pairs")),
+      light_trails_(gpu::upload_new(device, light_tree_of(scene, has_light_tree).trails, "light trails")),
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       environment_(environment_of(scene).parameters),
+      light_tree_{interface::device_address(light_pairs_.address()),
+                  interface::device_address(light_trails_.address()), scene.light_tree.center,
+                  scene.light_tree.radius},
       light_count_(static_cast<uint32_t>(scene.lights.size())),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {}
@@ -44,6 +55,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.texels = address(texels_);
   frame.lights = address(lights_);
   frame.light_aliases = address(light_aliases_);
+  frame.light_tree = light_tree_;
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);

@@ -11,7 +11,8 @@ namespace regulus::render {
 /// Device copies of everything kernels read of a scene.
 class DeviceScene {
  public:
-  DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh);
+  /// `has_light_tree`: lights are chosen by the tree.
+  DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh, bool has_light_tree);
 
   /// Tables of energy compensation (render/energy_tables.hpp); none unless they are wanted.
   void set_energy_tables(gpu::Buffer tables) { energy_tables_ = std::move(tables); }
@@ -24,8 +25,10 @@ class DeviceScene {
 
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_tangents_, triangles_, materials_,
-      textures_, texels_, lights_, light_aliases_, environment_texels_, environment_cdf_, energy_tables_;
+      textures_, texels_, lights_, light_aliases_, light_pairs_, light_trails_, environment_texels_,
+      environment_cdf_, energy_tables_;
   interface::Environment environment_;
+  interface::LightTreeRoot light_tree_;
   uint32_t light_count_;
   glm::vec3 center_;
   float radius_;

@@ -41,6 +41,7 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
   const scene::Features features = scene::find_features(scene);
   settings.regularization = effective_regularization(features, asked);
   settings.techniques = effective_techniques(features, asked);
+  settings.light_sampling = effective_light_sampling(scene, settings);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   if (settings.merge_radius == 0)
     settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
@@ -49,7 +50,7 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
 
 DeviceScene make_device_scene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                               const RenderSettings& settings) {
-  DeviceScene result(device, scene, bvh);
+  DeviceScene result(device, scene, bvh, settings.light_sampling == LIGHT_SAMPLING_BVH);
   if (settings.has_energy_compensation)
     result.set_energy_tables(make_energy_tables(device, scene.materials, settings));
   return result;

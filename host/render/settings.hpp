@@ -44,6 +44,7 @@ struct RenderSettings {
   uint32_t seed = 0;
   uint32_t sampler = interface::SAMPLER_SOBOL;
   uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
+  uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
   uint32_t light_paths = 0;        ///< per iteration (one sample of every pixel); 0: as many as pixels
   uint32_t cache_connections = 0;  ///< light vertices a camera vertex connects to, drawn from all of the
                                    ///< iteration's; 0: those of its own light path (paired)

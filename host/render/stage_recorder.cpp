@@ -17,6 +17,7 @@ namespace {
 RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings settings, uint32_t techniques) {
   settings.techniques &= techniques;
   settings.techniques = effective_techniques(scene::find_features(scene), settings);
+  settings.light_sampling = effective_light_sampling(scene, settings);
   settings.light_paths = settings.width * settings.height;
   if (settings.merge_radius == 0)
     settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5F * glm::length(scene.bounds_max - scene.bounds_min);
@@ -53,7 +54,7 @@ struct StageRecorder::Impl {
       : device(device_in),
         settings(recorded_settings(scene_in, settings_in, techniques)),
         paths(paths_in),
-        scene(device, scene_in, bvh),
+        scene(device, scene_in, bvh, settings.light_sampling == LIGHT_SAMPLING_BVH),
         buffers(device, scene,
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
                 settings, (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),

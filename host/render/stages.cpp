@@ -45,6 +45,11 @@ uint32_t effective_regularization(const scene::Features& features, const RenderS
   return is_sharp || settings.bound != BOUND_PEAK ? settings.regularization : REGULARIZATION_NONE;
 }
 
+uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings) {
+  if ((settings.techniques & TECHNIQUE_NEE) == 0) return LIGHT_SAMPLING_POWER;
+  return scene::resolve_light_sampling(settings.light_sampling, scene.lights.size());
+}
+
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {
   if (step.techniques != ANY_TECHNIQUE && (settings.techniques & step.techniques) == 0) return false;
   if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
@@ -79,6 +84,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
          {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
          {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
          {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
+         {SPEC_LIGHT_SAMPLING, settings.light_sampling},
          {SPEC_FILTER, settings.filter},
          {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

@@ -117,6 +117,10 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
 /// allows (known for BOUND_PEAK alone, whose alpha does not depend on directions).
 uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings);
 
+/// How `nee` chooses among the scene's lights: scene::resolve_light_sampling() for settings whose techniques
+/// are effective ones.
+uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings);
+
 /// True if the step runs for a scene with these features under these settings, whose techniques are effective
 /// ones.
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings);

@@ -53,6 +53,9 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   const bool has_diffusion = (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
   plan.has_sharp = has_diffusion && has(settings, LIGHT_SUBPATH_TECHNIQUES);
   plan.has_footprints = has_diffusion && !has(settings, LIGHT_SUBPATH_TECHNIQUES);
+  constexpr uint32_t HIT_AND_NEE = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  plan.has_receivers =
+      settings.light_sampling == LIGHT_SAMPLING_BVH && (settings.techniques & HIT_AND_NEE) == HIT_AND_NEE;
   const bool is_paired = settings.light_paths == uint64_t{settings.width} * settings.height;
   plan.has_histories = settings.regularization != REGULARIZATION_NONE &&
                        (settings.sampler_quality != SAMPLER_QUALITY_OFF ||
@@ -71,6 +74,7 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
                    MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
   bytes += splats_per_path(settings) * sizeof(SplatCandidate);
   if (has_environment) bytes += sizeof(uint32_t);
+  if (plan.has_receivers) bytes += sizeof(LightReceiver);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
   if (plan.has_histories)
     bytes += sizeof(PathHistory) *
@@ -125,6 +129,8 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   pairs_ = per_path(MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair), "connection pairs", frame_.pairs);
   splats_ = per_path(splats_per_path(settings) * sizeof(SplatCandidate), "splats", frame_.splats);
   if (has_environment) escaped_ = per_path(sizeof(uint32_t), "escaped paths", frame_.escaped);
+  if (plan_.has_receivers)
+    light_receivers_ = per_path(sizeof(LightReceiver), "light receivers", frame_.light_receivers);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
   if (plan_.has_footprints) path_footprints_ = per_path(sizeof(vec3), "footprints", frame_.path_footprints);

@@ -19,6 +19,7 @@ struct LightVertexPlan {
   bool has_merges = false;
   bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
   bool has_footprints = false;  ///< path diffusion without light subpaths: a footprint beside each path
+  bool has_receivers = false;   ///< `hit` weighs against lights that `nee` chooses by the tree
   bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
 };
 
@@ -62,7 +63,7 @@ class WavefrontBuffers {
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
       pairs_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_,
-      light_vertex_sharp_, path_footprints_, path_histories_, camera_vertex_histories_,
+      light_vertex_sharp_, path_footprints_, light_receivers_, path_histories_, camera_vertex_histories_,
       light_vertex_histories_;
 };
 

@@ -1,21 +1,30 @@
 // build_lights: all lights of the scene, and how one is chosen.
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
 #include <utility>
 
 #include "scene/alias_table.hpp"
 #include "scene/light_power.hpp"
+#include "scene/light_tree.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
 namespace {
 
+bool is_distant(const interface::Light& light) {
+  return light.kind == interface::LIGHT_DIRECTIONAL || light.kind == interface::LIGHT_ENVIRONMENT;
+}
+
 /// Lights that can be chosen, with their power.
 class LightList {
  public:
   /// Index of the added light, or INVALID_INDEX if it has no power.
-  uint32_t add(const interface::Light& light, double power) {
+  uint32_t add(const interface::Light& light, double power, const LightBounds& bounds = {}) {
     if (!(power > 0)) return interface::INVALID_INDEX;
     lights_.push_back(light);
     powers_.push_back(power);
+    for_tree_.push_back({is_distant(light), bounds, power});
     return static_cast<uint32_t>(lights_.size() - 1);
   }
 
@@ -24,6 +33,7 @@ class LightList {
   void move_to(Scene& scene) {
     scene.lights = std::move(lights_);
     scene.light_aliases.clear();
+    scene.light_tree = build_light_tree(for_tree_);
     if (scene.lights.empty()) {
       scene.warnings.emplace_back("the scene has no light: the picture will be black");
       return;
@@ -36,6 +46,7 @@ class LightList {
  private:
   std::vector<interface::Light> lights_;
   std::vector<double> powers_;
+  std::vector<TreeLight> for_tree_;
 };
 
 interface::Light triangle_light(const Scene& scene, uint32_t index, double area) {
@@ -46,6 +57,33 @@ interface::Light triangle_light(const Scene& scene, uint32_t index, double area)
   light.intensity = scene.materials[light.material].emission;
   light.area = static_cast<float>(area);
   return light;
+}
+
+LightBounds punctual_bounds(const interface::Light& light) {
+  LightBounds bounds;
+  bounds.lower = bounds.upper = glm::dvec3(light.position);
+  bounds.intensity = luminance(glm::dvec3(light.intensity));
+  bounds.theta_o = glm::pi<double>();
+  bounds.theta_e = glm::half_pi<double>();
+  if (light.kind != interface::LIGHT_SPOT) return bounds;
+  bounds.axis = glm::normalize(glm::dvec3(light.direction));
+  bounds.theta_o = std::acos(std::clamp(double{light.cos_inner}, -1.0, 1.0));
+  bounds.theta_e = std::acos(std::clamp(double{light.cos_outer}, -1.0, 1.0)) - bounds.theta_o;
+  return bounds;
+}
+
+LightBounds triangle_bounds(const Scene& scene, const interface::Triangle& triangle, double power) {
+  const glm::dvec3 p0(scene.vertices[triangle.v0].position);
+  const glm::dvec3 p1(scene.vertices[triangle.v1].position);
+  const glm::dvec3 p2(scene.vertices[triangle.v2].position);
+  LightBounds bounds;
+  bounds.lower = glm::min(p0, glm::min(p1, p2));
+  bounds.upper = glm::max(p0, glm::max(p1, p2));
+  bounds.axis = glm::normalize(glm::cross(p1 - p0, p2 - p0));
+  bounds.theta_e = glm::half_pi<double>();
+  bounds.is_two_sided = (scene.materials[triangle.material].flags & interface::MATERIAL_DOUBLE_SIDED) != 0;
+  bounds.intensity = power / (glm::pi<double>() * (bounds.is_two_sided ? 2 : 1));
+  return bounds;
 }
 
 // Light from everywhere: what is left of a light's fields does not apply.
@@ -66,14 +104,15 @@ void build_lights(Scene& scene) {
   LightList list;
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   for (const interface::Light& light : scene.lights)
-    if (is_punctual(light)) list.add(light, punctual_power(light, scene_radius));
+    if (is_punctual(light)) list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
   TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];
     triangle.light = interface::INVALID_INDEX;
     if ((scene.materials[triangle.material].flags & interface::MATERIAL_EMISSIVE) == 0) continue;
     const double area = triangle_area(scene, triangle);
-    triangle.light = list.add(triangle_light(scene, i, area), triangle_power(triangle, area));
+    const double power = triangle_power(triangle, area);
+    triangle.light = list.add(triangle_light(scene, i, area), power, triangle_bounds(scene, triangle, power));
   }
   if (list.is_empty() && !scene.environment) {
     scene.warnings.emplace_back("the scene has no light: a dim uniform environment lights it");
@@ -83,8 +122,9 @@ void build_lights(Scene& scene) {
   if (scene.environment)
     environment = list.add(environment_light(), environment_power(*scene.environment, scene_radius));
   list.move_to(scene);
-  if (environment != interface::INVALID_INDEX)
-    scene.environment->parameters.selection_pdf = scene.lights[environment].selection_pdf;
+  if (environment == interface::INVALID_INDEX) return;
+  scene.environment->parameters.selection_pdf = scene.lights[environment].selection_pdf;
+  scene.environment->parameters.light = environment;
 }
 
 }  // namespace regulus::scene

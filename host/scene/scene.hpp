@@ -13,6 +13,7 @@
 
 #include "interface/scene.h"
 #include "scene/environment.hpp"
+#include "scene/light_tree.hpp"
 
 namespace regulus::scene {
 
@@ -52,6 +53,7 @@ struct Scene {
   std::vector<uint32_t> texels;          ///< two words per texel, see interface::Texture
   std::vector<interface::Light> lights;  ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
+  LightTree light_tree;  ///< empty with fewer than two lights
   std::optional<Environment> environment;
   std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
@@ -84,7 +86,7 @@ Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 
 /// Appends a light per emissive triangle and the environment to the punctual lights, fills selection
-/// probabilities in proportion to power, the alias table, and Triangle::light. A scene without any light and
+/// probabilities in proportion to power, the alias table, the light tree, and Triangle::light. A scene without any light and
 /// without an environment gets a dim uniform one, with a warning.
 void build_lights(Scene& scene);
 

@@ -106,7 +106,7 @@ REGULUS_CONSTANT LIGHT_ENVIRONMENT = 4u;  // the scene's Environment; one at mos
 struct Light {
   uint kind;                // LIGHT_*
   uint triangle;            // LIGHT_TRIANGLE: index of the triangle
-  float selection_pdf;      // probability that light selection returns this light
+  float selection_pdf;      // probability that selection by power returns this light
   float cos_inner;          // LIGHT_SPOT: cosine of the inner cone angle
   vec3 position;            // point, spot
   float cos_outer;          // LIGHT_SPOT: cosine of the outer cone angle
@@ -127,10 +127,10 @@ REGULUS_LAYOUT(Light, 64);
 // uniform.
 struct Environment {
   vec3 radiance;        // of all directions, if there is no map
-  float selection_pdf;  // of its light
+  float selection_pdf;  // of its light, by power
   uint width, height;   // of the map; 0: there is none
   float rotation;       // turns about +y, counterclockwise seen from above, [0, 1)
-  uint reserved;
+  uint light;           // index of its light
 };
 REGULUS_LAYOUT(Environment, 32);
 
@@ -141,6 +141,42 @@ struct LightAlias {
   uint alias;
 };
 REGULUS_LAYOUT(LightAlias, 8);
+
+// The light tree: binary; the two nodes of a pair are siblings, pair 0 holds the root's children, and a leaf is a light. A
+// light's trail tells its leaf: bit k is 1 where the way from the root takes the second node of its pair at depth k.
+// Of each node:
+// - place: bytes x, y, z, r from the lowest. The lights below it lie in a sphere whose centre is that of the parent's
+//   sphere plus (x - 128, y - 128, z - 128) / 127 of the parent's radius, and whose radius is r / 255 of it.
+// - normals: bytes x, y, z, s. Their normals end in a ball of radius 2 s / 255 around (x - 128, y - 128, z - 128) / 127.
+struct LightPair {
+  uint places[2];
+  uint normals[2];
+  uint children[2];   // pair of the node's children; LIGHT_PAIR_LEAF: the light
+  float first_share;  // of the first node in the two's intensities (sum of the largest radiant intensities of lights)
+  uint flags;         // LIGHT_PAIR_*
+};
+REGULUS_LAYOUT(LightPair, 32);
+REGULUS_CONSTANT LIGHT_PAIR_LEAF = 1u << 31;     // of a child
+REGULUS_CONSTANT LIGHT_PAIR_TWO_SIDED = 1u;      // << node: the normals' opposites are normals as well
+REGULUS_CONSTANT LIGHT_PAIR_FIXED = 4u;          // the first node is chosen with probability first_share wherever from, for
+                                                 // what is infinitely far away; the children's sphere is the parent's
+REGULUS_CONSTANT MAX_LIGHT_TREE_DEPTH = 32u;     // pairs on the way to a leaf: the bits of a trail
+
+// Where walks down the tree start: the sphere of the root.
+struct LightTreeRoot {
+  DeviceAddress pairs;
+  DeviceAddress trails;  // word per light
+  vec3 center;
+  float radius;          // m
+};
+REGULUS_LAYOUT(LightTreeRoot, 32);
+
+// A surface point as the choice of a light knows it.
+struct LightReceiver {
+  vec3 position;
+  vec3 normal;  // geometric, on the lit side; zero if light may come from both sides
+};
+REGULUS_LAYOUT(LightReceiver, 24);
 
 REGULUS_CONSTANT CAMERA_PERSPECTIVE = 0u;
 REGULUS_CONSTANT CAMERA_ORTHOGRAPHIC = 1u;

@@ -27,6 +27,13 @@ REGULUS_CONSTANT SPEC_SAMPLER_QUALITY = 12u; // SAMPLER_QUALITY_*
 REGULUS_CONSTANT SPEC_CLAMP = 13u;           // 1: no contribution exceeds Frame.largest_contribution
 REGULUS_CONSTANT SPEC_CROP = 14u;            // 1: only the pixels of Frame.crop are rendered
 REGULUS_CONSTANT SPEC_ENERGY_COMPENSATION = 15u;  // 1: microfacet lobes lose no light, see lib/energy.glsl
+REGULUS_CONSTANT SPEC_LIGHT_SAMPLING = 16u;  // LIGHT_SAMPLING_*
+
+// How next-event estimation chooses a light. Light paths always start by power.
+REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;
+REGULUS_CONSTANT LIGHT_SAMPLING_BVH = 1u;      // by what each can send to the surface (lib/light_tree.glsl)
+REGULUS_CONSTANT LIGHT_SAMPLING_UNIFORM = 2u;
+REGULUS_CONSTANT LIGHT_SAMPLING_AUTO = 3u;     // chosen before kernels are built: no kernel sees it
 
 REGULUS_CONSTANT WALK_CAMERA = 0u;
 REGULUS_CONSTANT WALK_LIGHT = 1u;
@@ -93,7 +100,8 @@ REGULUS_CONSTANT TECHNIQUE_MERGE = 16u;
 // others once per bounce: block index = DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + k.
 REGULUS_CONSTANT DIMENSION_BLOCK_CAMERA = 0u;         // film x, film y, lens u, lens v
 REGULUS_CONSTANT DIMENSION_BLOCKS_FIRST = 1u;
-REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT = 0u;          // light, alias, position u, position v (environment: direction)
+// light, alias (light tree: more digits of the light), position u, position v (environment: direction)
+REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT = 0u;
 REGULUS_CONSTANT DIMENSION_BLOCK_BSDF = 1u;           // lobe, direction u, direction v, roulette
 REGULUS_CONSTANT DIMENSION_BLOCKS_PER_BOUNCE = 2u;
 // Light path k of iteration i draws random_block(seed, k, i, block): blocks of its own, beyond every bounce's.
@@ -249,6 +257,8 @@ struct Frame {
   DeviceAddress texels;
   DeviceAddress lights;
   DeviceAddress light_aliases;
+  LightTreeRoot light_tree;      // only with LIGHT_SAMPLING_BVH
+  DeviceAddress light_receivers; // with it, hit and nee: LightReceiver per path slot, the vertex before the ray
   DeviceAddress paths;
   DeviceAddress hits;
   DeviceAddress radiance;        // vec3 per path slot
@@ -312,7 +322,7 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint reserved;
 };
-REGULUS_LAYOUT(Frame, 552);
+REGULUS_LAYOUT(Frame, 592);
 
 // Push constants of every stage.
 struct StageArguments {

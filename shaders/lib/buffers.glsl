@@ -25,6 +25,7 @@ REGULUS_BUFFER(MaterialBuffer, Material);
 REGULUS_BUFFER(TextureBuffer, Texture);
 REGULUS_BUFFER(LightBuffer, Light);
 REGULUS_BUFFER(LightAliasBuffer, LightAlias);
+REGULUS_BUFFER(LightReceiverBuffer, LightReceiver);
 REGULUS_BUFFER(PathBuffer, Path);
 REGULUS_BUFFER(HitBuffer, Hit);
 REGULUS_BUFFER(CandidateBuffer, VisibilityCandidate);

@@ -13,17 +13,17 @@ bool is_diffused(Path path) { return (path.pixel & PATH_DIFFUSED) != 0u; }
 
 // Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
 // camera sees directly is found by no other technique.
-vec3 emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory history, TechniqueCounts counts) {
+vec3 emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory history, TechniqueCounts counts, uint slot) {
   if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
   if (point.surface.light == INVALID_INDEX) return vec3(0.0);
   if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
   vec3 radiance = emitted_radiance(frame, point.material, point.material.emission, point.surface.uv, point.surface.color);
   if (path.bounce == 0u) return radiance;
   float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
-  float area_pdf = selection_pdf / point.surface.area;
+  float pdf_connect = previous_choice_probability(frame, slot, point.surface.light, selection_pdf) / point.surface.area;
   float cos_light = abs(dot(path.direction, point.surface.geometric_normal));
-  float pdf_emit = area_pdf * triangle_emission_pdf(point.material, cos_light);
-  return radiance * hit_weight(frame, path, history, counts, area_pdf, pdf_emit, EMITTER_BOUND);
+  float pdf_emit = selection_pdf / point.surface.area * triangle_emission_pdf(point.material, cos_light);
+  return radiance * hit_weight(frame, path, history, counts, pdf_connect, pdf_emit, EMITTER_BOUND);
 }
 
 // What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
@@ -54,7 +54,8 @@ vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vert
 void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                       Regularization regularization, TechniqueCounts counts, uint slot, vec4 u) {
   if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
-  LightSample light = sample_light(frame, point.surface.position, u);
+  LightSample light = sample_light(frame, light_receiver(point), u);
+  if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
   vec3 contribution = path.throughput * light.radiance *
@@ -111,6 +112,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
     footprint = scattered(footprint, point.bsdf, next, point.is_front ? curvature : -curvature);
     STORE(Vec3Buffer, frame.path_footprints, slot, footprint);
   }
+  if (keeps_receivers()) STORE(LightReceiverBuffer, frame.light_receivers, slot, light_receiver(point));
   path.medium = medium_towards(point, path.medium, next.wi.z);
   path.bounce += 1u;
   if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;

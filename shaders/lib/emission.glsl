@@ -11,7 +11,7 @@ struct Emission {
   vec3 origin;
   vec3 direction;     // unit
   vec3 throughput;    // emitted radiance cos / pdf, W (distant light: irradiance / pdf)
-  float inverse_pdf;  // p_connect / p_trace of the point over the directional pdf; distant light: disk area
+  float inverse_pdf;  // of the direction; distant light: disk area
   float hit_term;     // |cos| at the light over (p_trace * directional pdf); environment: disk area over the pdf of its
                       // direction; 0: the light cannot be hit
   bool is_parallel;
@@ -98,7 +98,7 @@ Emission emit_from_punctual(Frame frame, Light light, vec2 u_position, vec2 u_di
 }
 
 // The environment, from one direction: parallel rays over the scene's disk, like a directional light's.
-Emission emit_from_environment(Frame frame, vec2 u_direction, vec2 u_disk) {
+Emission emit_from_environment(Frame frame, Light light, vec2 u_direction, vec2 u_disk) {
   EnvironmentSample environment = sample_environment(frame, u_direction);
   vec3 tangent, bitangent;
   orthonormal_basis(-environment.direction, tangent, bitangent);
@@ -108,7 +108,7 @@ Emission emit_from_environment(Frame frame, vec2 u_direction, vec2 u_disk) {
   emission.origin =
       frame.scene_center + frame.scene_radius * environment.direction + disk.x * tangent + disk.y * bitangent;
   emission.inverse_pdf = PI * square(frame.scene_radius);
-  emission.hit_term = emission.inverse_pdf / environment.pdf;
+  emission.hit_term = emission.inverse_pdf / (environment.pdf * light.selection_pdf);
   emission.throughput = environment.radiance * emission.hit_term;
   emission.is_parallel = true;
   emission.bound = EMITTER_BOUND;
@@ -121,10 +121,10 @@ Emission emit_from_environment(Frame frame, vec2 u_direction, vec2 u_disk) {
 // Chooses a light by its selection pdf, a point on it and a direction. u_light: light, alias, position; u: direction. (Of the
 // environment the position is a direction, and u places the ray.)
 Emission sample_emission(Frame frame, vec4 u_light, vec2 u) {
-  Light light = LOAD(LightBuffer, frame.lights, select_light(frame.light_aliases, frame.light_count, u_light.xy));
+  Light light = LOAD(LightBuffer, frame.lights, select_by_power(frame, u_light.xy));
   const bool has_triangles = (spec_features & FEATURE_TRIANGLE_LIGHTS) != 0u;
   const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
-  if (is_environment(light)) return emit_from_environment(frame, u_light.zw, u);
+  if (is_environment(light)) return emit_from_environment(frame, light, u_light.zw, u);
   if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
     return emit_from_triangle(frame, light, u_light.zw, u);
   return emit_from_punctual(frame, light, u_light.zw, u);

@@ -10,7 +10,7 @@
 struct EnvironmentSample {
   vec3 direction;  // unit, towards the environment
   vec3 radiance;
-  float pdf;       // solid angle, with the selection of the light
+  float pdf;       // solid angle, once the light is chosen
 };
 
 // Sines below this would overflow the pdf at the poles.
@@ -45,7 +45,7 @@ float environment_pdf(Frame frame, uvec2 cell, float sin_theta) {
   float share = (environment_cdf(frame, cell.y + 1u) - environment_cdf(frame, cell.y)) *
                 (environment_cdf(frame, row + cell.x + 1u) - environment_cdf(frame, row + cell.x));
   float cells = float(frame.environment.width) * float(frame.environment.height);
-  return frame.environment.selection_pdf * share * cells / (2.0 * PI * PI * max(sin_theta, MIN_ENVIRONMENT_SINE));
+  return share * cells / (2.0 * PI * PI * max(sin_theta, MIN_ENVIRONMENT_SINE));
 }
 
 // Where a distribution of `count` cells from entry `first` on reaches the share u: the cell, never one of no share, and
@@ -65,7 +65,7 @@ float invert_environment_cdf(Frame frame, uint first, uint count, float u, out u
 }
 
 EnvironmentSample uniform_environment(Frame frame, vec3 direction) {
-  return EnvironmentSample(direction, frame.environment.radiance, frame.environment.selection_pdf * 0.25 * INV_PI);
+  return EnvironmentSample(direction, frame.environment.radiance, 0.25 * INV_PI);
 }
 
 // What the environment shows in a unit direction, and the pdf of drawing it.

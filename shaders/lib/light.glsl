@@ -6,6 +6,8 @@
 #include "lib/coverage.glsl"
 #include "lib/environment.glsl"
 #include "lib/geometry.glsl"
+#include "lib/light_tree.glsl"
+#include "lib/mis.glsl"
 #include "lib/sampling.glsl"
 #include "lib/texture.glsl"
 
@@ -30,11 +32,37 @@ const float POINT_LIGHT_BOUND = 0.25 * INV_PI;
 float spot_bound(Light light) { return 0.5 * INV_PI / max(1.0 - light.cos_outer, 1e-6); }
 
 // Draws a light index in proportion to its selection_pdf (alias method, Vose 1991).
-uint select_light(DeviceAddress aliases, uint light_count, vec2 u) {
+uint select_by_power(Frame frame, vec2 u) {
   if ((spec_features & FEATURE_MANY_LIGHTS) == 0u) return 0u;
-  uint bucket = min(uint(u.x * float(light_count)), light_count - 1u);
-  LightAlias entry = LOAD(LightAliasBuffer, aliases, bucket);
+  uint bucket = min(uint(u.x * float(frame.light_count)), frame.light_count - 1u);
+  LightAlias entry = LOAD(LightAliasBuffer, frame.light_aliases, bucket);
   return u.y < entry.threshold ? bucket : entry.alias;
+}
+
+// The light that next-event estimation samples. Selected by power, a light's own selection_pdf is its probability, and
+// `probability` does not count.
+LightChoice choose_light(Frame frame, LightReceiver receiver, vec2 u) {
+  if (spec_light_sampling == LIGHT_SAMPLING_BVH) return choose_by_tree(frame.light_tree, receiver, u);
+  if (spec_light_sampling == LIGHT_SAMPLING_UNIFORM)
+    return LightChoice(min(uint(u.x * float(frame.light_count)), frame.light_count - 1u), 1.0 / float(frame.light_count));
+  return LightChoice(select_by_power(frame, u), 1.0);
+}
+
+// Probability with which choose_light returns `light`, whose selection_pdf is given.
+float choice_probability(Frame frame, LightReceiver receiver, uint light, float selection_pdf) {
+  if (spec_light_sampling == LIGHT_SAMPLING_BVH)
+    return tree_probability(frame.light_tree, receiver, light);
+  return spec_light_sampling == LIGHT_SAMPLING_UNIFORM ? 1.0 / float(frame.light_count) : selection_pdf;
+}
+
+// The same for the vertex before the ray in `slot`, which met the light.
+float previous_choice_probability(Frame frame, uint slot, uint light, float selection_pdf) {
+  LightReceiver receiver;
+  if (spec_light_sampling == LIGHT_SAMPLING_BVH) {
+    if (!keeps_receivers()) return selection_pdf;  // no nee: nothing asks
+    receiver = LOAD(LightReceiverBuffer, frame.light_receivers, slot);
+  }
+  return choice_probability(frame, receiver, light, selection_pdf);
 }
 
 bool is_environment(Light light) {
@@ -101,7 +129,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   return result;
 }
 
-LightSample sample_environment_light(Frame frame, vec3 from, vec2 u) {
+LightSample sample_environment_light(Frame frame, Light light, vec3 from, vec2 u) {
   EnvironmentSample environment = sample_environment(frame, u);
   LightSample result;
   result.wi = environment.direction;
@@ -109,7 +137,7 @@ LightSample sample_environment_light(Frame frame, vec3 from, vec2 u) {
   result.is_distant = true;
   result.distance = 0.0;
   result.radiance = environment.radiance;
-  result.pdf = environment.pdf;
+  result.pdf = environment.pdf * light.selection_pdf;
   result.emission_ratio = INV_PI / square(frame.scene_radius);
   result.is_delta = false;
   result.bound = EMITTER_BOUND;
@@ -146,15 +174,28 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   return result;
 }
 
-// Samples a light by power, then a point on it. u is one block of random numbers.
-LightSample sample_light(Frame frame, vec3 from, vec4 u) {
-  Light light = LOAD(LightBuffer, frame.lights, select_light(frame.light_aliases, frame.light_count, u.xy));
+// A point of the light, as seen from a surface point; the pdf includes the light's selection_pdf.
+LightSample sample_point_of_light(Frame frame, Light light, vec3 from, vec2 u) {
   const bool has_triangles = (spec_features & FEATURE_TRIANGLE_LIGHTS) != 0u;
   const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
-  if (is_environment(light)) return sample_environment_light(frame, from, u.zw);
-  if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
-    return sample_triangle_light(frame, light, from, u.zw);
+  if (is_environment(light)) return sample_environment_light(frame, light, from, u);
+  if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE)) return sample_triangle_light(frame, light, from, u);
   return sample_punctual_light(frame, light, from);
+}
+
+// Chooses a light and samples a point on it. u is one block of random numbers. The pdf is 0 if no light can reach the
+// receiver.
+LightSample sample_light(Frame frame, LightReceiver receiver, vec4 u) {
+  LightChoice choice = choose_light(frame, receiver, u.xy);
+  LightSample result;
+  result.pdf = 0.0;
+  if (spec_light_sampling == LIGHT_SAMPLING_BVH && choice.light == INVALID_INDEX) return result;
+  Light light = LOAD(LightBuffer, frame.lights, choice.light);
+  float emission_selection_pdf = light.selection_pdf;
+  if (spec_light_sampling != LIGHT_SAMPLING_POWER) light.selection_pdf = choice.probability;
+  result = sample_point_of_light(frame, light, receiver.position, u.zw);
+  if (spec_light_sampling != LIGHT_SAMPLING_POWER) result.emission_ratio *= emission_selection_pdf / choice.probability;
+  return result;
 }
 
 #endif

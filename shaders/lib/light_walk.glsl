@@ -32,6 +32,16 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
 }
 
+// p_connect / p_trace of the light where a light path starts (math.md 3.2), for its first vertex: how likely nee would
+// choose that light from there. Which light it is follows from the path's random numbers.
+float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
+  if (spec_light_sampling == LIGHT_SAMPLING_POWER || (spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;
+  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+  uint light = select_by_power(frame, u.xy);
+  float selection_pdf = LOAD(LightBuffer, frame.lights, light).selection_pdf;
+  return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
+}
+
 void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film) {
   uint index = queue_reserve(queue_head(QUEUE_SPLATS));
   STORE(SplatBuffer, frame.splats, index, SplatCandidate(segment, film));

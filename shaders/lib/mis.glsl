@@ -1,7 +1,8 @@
 // Multiple importance sampling over any set of techniques (design.md section 1): the balance heuristic through
 // recurrences along both subpaths (Georgiev et al. 2012; math.md 3.2 with the same names). A path x_0 ... x_K
 // runs from the light to the camera. A vertex of either subpath holds on arrival
-//   A   one over the area pdf with which the walk reached it (light vertex x_1: times p_connect / p_trace of x_0)
+//   A   one over the area pdf with which the walk reached it (light vertex x_1: times p_connect / p_trace of x_0, the
+//       probabilities of choosing x_0 from x_1 by nee and for emission)
 //   B   the same over all earlier techniques, without the pdf of walking backwards from here
 // and the pdfs that enter are those of the corrected weights: multiplied by rho^/rho where a bsdf is regularized.
 // Pdfs use geometric normals; roulette is left out (math.md section 9).
@@ -49,6 +50,12 @@ struct MisVertex {
 
 // Cosines below this would overflow what is divided by them.
 const float MIN_MIS_COS = 1e-7;
+
+// True if the weight of `hit` needs to know the vertex before: nee's choice of a light depends on it.
+bool keeps_receivers() {
+  const uint both = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  return spec_light_sampling == LIGHT_SAMPLING_BVH && (spec_techniques & both) == both;
+}
 
 // A and B on arrival: the ray had the length `distance` and meets the geometric normal at cos_here.
 // is_parallel: all rays of this edge run in the same direction (distant light, orthographic camera).

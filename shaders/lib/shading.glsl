@@ -135,6 +135,13 @@ bool is_connectible(ShadingPoint point) {
   return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
 }
 
+// The point as the choice of a light knows it. Where a surface only reflects, light that counts comes from the side of wo,
+// whichever way the path is walked.
+LightReceiver light_receiver(ShadingPoint point) {
+  return LightReceiver(point.surface.position,
+                       spec_material_class == MATERIAL_CLASS_TRANSMISSIVE ? vec3(0.0) : point.geometric_normal);
+}
+
 // The segment from a surface point to `target` (already off its own surface), as a candidate without contribution.
 VisibilityCandidate visibility_segment(ShadingPoint point, vec3 towards, vec3 target) {
   VisibilityCandidate candidate;

@@ -20,5 +20,6 @@ layout(constant_id = SPEC_SAMPLER_QUALITY) const uint spec_sampler_quality = SAM
 layout(constant_id = SPEC_CLAMP) const uint spec_clamp = 0u;
 layout(constant_id = SPEC_CROP) const uint spec_crop = 0u;
 layout(constant_id = SPEC_ENERGY_COMPENSATION) const uint spec_energy_compensation = 0u;
+layout(constant_id = SPEC_LIGHT_SAMPLING) const uint spec_light_sampling = LIGHT_SAMPLING_POWER;
 
 #endif

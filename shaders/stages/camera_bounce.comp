@@ -27,7 +27,7 @@ void main() {
                    path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
   }
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  vec3 emitted = path.throughput * emission_towards(frame, point, path, history, counts);
+  vec3 emitted = path.throughput * emission_towards(frame, point, path, history, counts, slot);
   if (any(greaterThan(emitted, vec3(0.0))))
     STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) +
                                                 clamp_contribution(emitted, frame.largest_contribution));

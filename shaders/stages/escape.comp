@@ -18,13 +18,16 @@ void main() {
   // The accumulators are those of the ray itself: its end has no distance and no cosine (math.md section 1).
   float weight = 1.0;
   if (path.bounce > 0u) {
-    float pdf_emit = environment.pdf * INV_PI / square(frame.scene_radius);
+    float selection_pdf = frame.environment.selection_pdf;
+    float pdf_connect =
+        environment.pdf * previous_choice_probability(frame, slot, frame.environment.light, selection_pdf);
+    float pdf_emit = environment.pdf * selection_pdf * INV_PI / square(frame.scene_radius);
     PathHistory history;
     if (has_histories()) {
       history = LOAD(PathHistoryBuffer, frame.path_histories, slot);
       history_arrive(frame, history, 0.0, 1.0, true);
     }
-    weight = hit_weight(frame, path, history, technique_counts(frame, stage.merge_radius), environment.pdf, pdf_emit,
+    weight = hit_weight(frame, path, history, technique_counts(frame, stage.merge_radius), pdf_connect, pdf_emit,
                         EMITTER_BOUND);
   }
   vec3 emitted =

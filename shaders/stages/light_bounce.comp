@@ -17,6 +17,8 @@ void main() {
   path.throughput *= transmittance(frame, path.medium, hit.t);
   bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
   float cos_here = dot(path.direction, point.geometric_normal);
+  float connect_ratio = path.bounce == 0u ? first_connect_ratio(frame, point, path) : 1.0;
+  path.mis_a *= connect_ratio;
   Path sharp_path = path;
   mis_arrive(path, hit.t, cos_here, is_parallel);
   vec2 sharp = vec2(path.mis_a, path.mis_b);
@@ -31,6 +33,7 @@ void main() {
   PathHistory history;
   if (has_histories()) {
     history = LOAD(PathHistoryBuffer, frame.path_histories, slot);
+    history.plain.x *= connect_ratio;
     history_arrive(frame, history, hit.t, cos_here, is_parallel);
     if (!has_diffusion() || diffuses(point.bsdf)) history.sharp_ratio = history.ratio;
   }

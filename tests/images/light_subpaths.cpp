@@ -9,6 +9,7 @@
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
 #include "support/device.hpp"
+#include "support/random.hpp"
 
 namespace regulus::test {
 namespace {
@@ -137,6 +138,60 @@ TEST_F(LightSubpaths, AgreeOnAnEnvironmentSeenThroughAWindow) {
       sky.rgb.push_back(static_cast<float>(i == 2 * 16 + 5 ? 40 : i < 64 ? channel * (1 + i % 3) : 0.1));
   expect_sets_agree("window", prepare(scene, sky, 25),
                     {{"vcm", VCM}, {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT}});
+}
+
+/// Mean over pixels and channels of the variance of one batch.
+double variance_of(const std::vector<image::Image>& batches) {
+  double sum = 0;
+  const double n = static_cast<double>(batches.size());
+  for (size_t i = 0; i < batches[0].rgb.size(); ++i) {
+    double mean = 0, squares = 0;
+    for (const image::Image& batch : batches) {
+      mean += batch.rgb[i] / n;
+      squares += double{batch.rgb[i]} * batch.rgb[i] / n;
+    }
+    sum += (squares - mean * mean) * n / (n - 1);
+  }
+  return sum / static_cast<double>(batches[0].rgb.size());
+}
+
+// Hundreds of lamps of every kind, however nee chooses among them: by power as the reference, by the light
+// tree, whose probabilities depend on the surface, uniformly.
+TEST_F(LightSubpaths, AgreeOnManyLightsHoweverTheyAreChosen) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  GltfScene scene = room(plastic({0.4, 0.4, 0.6}, 0.5), WHITE, glass(1.5, 0.6));
+  Random random(210);
+  Polygons dim, bright, two_sided;
+  for (int i = 0; i < 300; ++i) {
+    const glm::dvec3 place = 1.8 * random.cube() - 0.9, u = 0.02 * random.direction();
+    const Polygon panel = quad(place, u, 0.02 * normalize(cross(u, random.direction())));
+    (i % 8 == 0 ? bright : i % 8 == 1 ? two_sided : dim).push_back(panel);
+  }
+  scene.add(dim, emitter({4, 3, 2}));
+  scene.add(bright, emitter({20, 20, 30}));
+  scene.add(two_sided, emitter({9, 3, 3}, true));
+  scene.add_point_light({0.3, 0.4, 0.2}, {0.02, 0.03, 0.04});
+  scene.add_spot_light({-0.5, 0.6, 0.4}, {0.3, -1, -0.4}, 0.08, 0.2, 0.7);
+  const PreparedScene prepared = prepare(scene);
+  const auto batches_of = [&](uint32_t techniques, uint32_t light_sampling, uint32_t stream) {
+    RenderSettings settings = settings_of(techniques, 0);
+    settings.light_sampling = light_sampling;
+    return render_batches(prepared, settings, BATCHES, stream);
+  };
+  const auto known = batches_of(PT, LIGHT_SAMPLING_POWER, 220);
+  const auto by_tree = batches_of(PT, LIGHT_SAMPLING_BVH, 221);
+  expect_equal("many lights, pt, bvh", by_tree, known);
+  expect_equal("many lights, pt, uniform", batches_of(PT, LIGHT_SAMPLING_UNIFORM, 222), known);
+  expect_equal("many lights, bpt, bvh", batches_of(BPT, LIGHT_SAMPLING_BVH, 223), known);
+  expect_equal("many lights, bpt, uniform", batches_of(BPT, LIGHT_SAMPLING_UNIFORM, 224), known);
+  expect_equal("many lights, nee and splat, bvh",
+               batches_of(TECHNIQUE_NEE | TECHNIQUE_SPLAT, LIGHT_SAMPLING_BVH, 225), known);
+  ComparisonOptions blurred;
+  blurred.relative_tolerance = 3e-3;  // as in expect_sets_agree()
+  expect_equal("many lights, vcm, bvh", batches_of(VCM, LIGHT_SAMPLING_BVH, 226), known, blurred);
+  const double ratio = variance_of(by_tree) / variance_of(known);
+  std::printf("variance with the light tree over that with choice by power: %.3f\n", ratio);
+  EXPECT_LT(ratio, 0.5);
 }
 
 // A floor with boxes under a distant light.

@@ -1,6 +1,7 @@
 // Lights and their selection.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <glm/gtc/constants.hpp>
@@ -195,6 +196,74 @@ TEST(SceneLights, ATinyBrightSpotKeepsItsTriangleSelectable) {
   file.triangle_of(material);
   const Scene scene = load_with_lights(file);
   EXPECT_EQ(scene.lights.size(), 1u);
+}
+
+// The lights below each child of a pair, by walking down; checks depth and trails on the way.
+size_t count_leaves(const LightTree& tree, uint32_t child, uint32_t depth, uint32_t trail) {
+  if ((child & interface::LIGHT_PAIR_LEAF) != 0) {
+    const uint32_t light = child & ~interface::LIGHT_PAIR_LEAF;
+    EXPECT_LE(depth, interface::MAX_LIGHT_TREE_DEPTH);
+    EXPECT_EQ(tree.trails.at(light), trail);
+    return 1;
+  }
+  const interface::LightPair& pair = tree.pairs.at(child);
+  return count_leaves(tree, pair.children[0], depth + 1, trail) +
+         count_leaves(tree, pair.children[1], depth + 1, trail | 1u << depth);
+}
+
+TreeLight point_at(const glm::dvec3& position, double intensity = 1) {
+  TreeLight light;
+  light.bounds.lower = light.bounds.upper = position;
+  light.bounds.theta_o = PI;
+  light.bounds.theta_e = PI / 2;
+  light.bounds.intensity = intensity;
+  return light;
+}
+
+TEST(LightTree, HoldsEveryLightOnceHoweverTheyLie) {
+  std::vector<TreeLight> same(5000, point_at({1, 2, 3})), halving, one_line, distant(7);
+  for (int i = 0; i < 3000; ++i) halving.push_back(point_at({std::ldexp(1.0, -i % 1000), 0, 0}, 1 + i % 7));
+  for (int i = 0; i < 1000; ++i) one_line.push_back(point_at({0, i, 0}));
+  for (TreeLight& light : distant) light = {true, {}, 2};
+  std::vector<TreeLight> mixed = one_line;
+  mixed.insert(mixed.begin() + 10, distant.begin(), distant.end());
+  for (const auto& lights : {same, halving, one_line, distant, mixed}) {
+    const LightTree tree = build_light_tree(lights);
+    EXPECT_EQ(tree.pairs.size(), lights.size() - 1);
+    EXPECT_EQ(count_leaves(tree, 0, 0, 0), lights.size());
+  }
+  EXPECT_TRUE(build_light_tree({point_at({0, 0, 0})}).pairs.empty());
+  // Lights on a line are halved, not peeled off one by one.
+  const std::vector<uint32_t> trails = build_light_tree(one_line).trails;
+  EXPECT_LT(*std::ranges::max_element(trails), 1u << 16);
+}
+
+TEST(LightTree, DistantLightsShareByPower) {
+  std::vector<TreeLight> lights = {point_at({0, 0, 0}), {true, {}, 3}, {true, {}, 1}};
+  const LightTree tree = build_light_tree(lights);
+  EXPECT_EQ(tree.pairs[0].first_share, static_cast<float>(2.0 / 3));  // two of them against the rest
+  EXPECT_EQ(tree.pairs[tree.pairs[0].children[0]].first_share, 0.75f);
+}
+
+TEST(LightTree, UnitedConesHoldBoth) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> uniform(0, PI);
+  const auto bounds = [&](double theta) {
+    LightBounds result;
+    result.axis = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    result.theta_o = theta;
+    return result;
+  };
+  for (int i = 0; i < 2000; ++i) {
+    const LightBounds a = bounds(i % 3 == 0 ? 0 : uniform(random)),
+                      b = i % 5 == 0 ? a : bounds(uniform(random));
+    const LightBounds both = united(a, b);
+    for (const LightBounds& part : {a, b}) {
+      const double between = std::acos(std::clamp(glm::dot(part.axis, both.axis), -1.0, 1.0));
+      EXPECT_LE(std::min(between + part.theta_o, PI), both.theta_o + 1e-7) << i;
+    }
+  }
 }
 
 TEST(AliasTable, ReturnsWhatItsWeightsSay) {
