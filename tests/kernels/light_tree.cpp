@@ -58,7 +58,8 @@ GltfScene scene_of_lamps(uint32_t triangles) {
 Receiver random_receiver(Random& random, const scene::Scene& scene) {
   Receiver receiver{5.0 * random.cube() - 2.5, random.direction()};
   if (random.index(3) == 0) receiver.normal = dvec3(0);
-  if (random.index(5) == 0) receiver.position = scene.vertices[random.index(scene.vertices.size())].position;
+  if (random.index(5) == 0)
+    receiver.position = scene.vertices[random.index(static_cast<uint32_t>(scene.vertices.size()))].position;
   // As the device gets it.
   receiver.position = glm::vec3(receiver.position);
   receiver.normal = glm::vec3(receiver.normal);
@@ -180,7 +181,7 @@ TEST_F(LightTree, SamplesFollowTheProbabilities) {
     std::vector<LightQuery> queries;
     for (size_t k = 0; k < SAMPLES; ++k)
       queries.push_back(
-          query(receiver, tree, 0, {random.index(1u << 24) * 0x1p-24F, random.index(1u << 24) * 0x1p-24F}));
+          query(receiver, tree, 0, glm::vec2(random.index(1u << 24), random.index(1u << 24)) * 0x1p-24F));
     std::vector<double> observed(light_count() + 1), expected;  // the last cell: none
     for (const LightAnswer& answer : ask(queries)) {
       observed[std::min(answer.light, light_count())] += 1;
