@@ -19,6 +19,7 @@
 #include "cli/render_options.hpp"
 #include "cli/stats.hpp"
 #include "cli/stop_rule.hpp"
+#include "cli/strategy_images.hpp"
 #include "image/atomic_file.hpp"
 #include "render/aov.hpp"
 #include "render/film_file.hpp"
@@ -78,6 +79,10 @@ Outputs resolve_outputs(const RenderOptions& options) {
   require_writable(outputs.png, "--png");
   require_writable(outputs.stats, "--stats");
   require_writable(options.checkpoint, "--checkpoint");
+  if (!options.strategy_images.empty() && !options.checkpoint.empty())
+    throw Error(ExitStatus::BadUsage,
+                "--strategy-images: a checkpoint does not hold them; leave out --checkpoint");
+  if (!options.strategy_images.empty()) make_strategy_folder(options.strategy_images);
   return outputs;
 }
 
@@ -118,6 +123,8 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
                 "--time and --noise need --backend vulkan; give --spp to the reference");
   if (!options.sample_range.empty() || !options.checkpoint.empty())
     throw Error(ExitStatus::BadUsage, "--samples and --checkpoint need --backend vulkan");
+  if (!options.strategy_images.empty())
+    throw Error(ExitStatus::BadUsage, "--strategy-images needs --backend vulkan");
   Stopwatch stopwatch;
   catch_interrupts();
   ReferenceRender rendered;
@@ -243,6 +250,9 @@ void render_scene(CLI::App& command, RenderOptions& options) {
       write_image(outputs, options, settings, image_attributes(device, scene, settings, renderer), renderer,
                   failure.has_value());
   write_outputs(outputs, options, image, statistics);
+  if (!options.strategy_images.empty() && !failure)
+    write_strategy_images(options.strategy_images, renderer, settings.max_depth,
+                          image_attributes(device, scene, settings, renderer), options.exposure_ev);
   report(renderer, settings, outputs);
   if (options.noise_target && !options.is_quiet) print_noise(stop.noise(), *options.noise_target);
   if (failure)

@@ -10,6 +10,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "cli/strategy_images.hpp"
 #include "render/aov.hpp"
 
 namespace regulus::cli {
@@ -63,6 +64,7 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
 const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "png",
                                                  "stats",
+                                                 "strategy-images",
                                                  "device",
                                                  "scene",
                                                  "allow-external",
@@ -206,6 +208,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(CLI::IsMember(INTEGRATORS));
   command.add_option("--techniques", options.techniques,
                      "The techniques themselves, comma-separated: hit,nee,splat,connect,merge");
+  command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP);
   command
       .add_option("--light-paths", settings.light_paths,
                   "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
@@ -400,6 +403,7 @@ uint32_t parse_technique_set(const std::string& text) {
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene) {
   render::RenderSettings settings = options.settings;
   if (options.has_no_sample_limit) settings.samples = MAX_SAMPLES;
+  settings.has_strategy_images = !options.strategy_images.empty();
   settings.keeps_doublings = options.noise_target.has_value();
   settings.camera = options.camera.empty() ? 0 : find_camera(options.camera, scene);
   const glm::uvec2 size =

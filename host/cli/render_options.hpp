@@ -16,6 +16,7 @@ struct RenderOptions {
   std::string output;              ///< EXR; empty: the scene's name with .exr in the working folder
   std::string png;                 ///< empty: none
   std::string stats;               ///< empty: none
+  std::string strategy_images;     ///< folder; empty: none
   std::string checkpoint;          ///< file to resume from; empty: none
   double checkpoint_seconds = 60;  ///< between two states of it
   bool is_resumed = false;         ///< go on from the checkpoint if it exists

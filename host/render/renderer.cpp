@@ -404,6 +404,34 @@ struct Renderer::Impl {
     return gpu::download_all<AovPixel>(device, buffers.aovs, count);
   }
 
+  // The mean of one of a strategy's two films, number `index` in the buffer.
+  image::Image strategy_image(const Strategy& strategy, uint64_t index) const {
+    const uint64_t words = pixels * FILM_WORDS_PER_PIXEL;
+    const auto sums =
+        gpu::download_all<uint32_t>(device, buffers.strategy_film, words, index * words * sizeof(uint32_t));
+    Film own;
+    own.width = film.width;
+    own.height = film.height;
+    own.light_paths_per_iteration = film.light_paths_per_iteration;
+    if (strategy.technique == TECHNIQUE_SPLAT) {
+      own.splat_words = sums;
+      own.light_paths = film.light_paths;
+    } else {
+      own.words = sums;
+      own.paths = film.paths;
+    }
+    return resolve(own);
+  }
+
+  void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const {
+    if (!settings.has_strategy_images) return;
+    uint64_t index = 0;
+    for (const Strategy& strategy : list_strategies(settings.techniques, settings.max_depth)) {
+      const image::Image weighted = strategy_image(strategy, index++);
+      use({strategy, weighted, strategy_image(strategy, index++)});
+    }
+  }
+
   void render(const ProgressCallback& progress_in) {
     const auto start = Clock::now();
     last_snapshot = last_wave = start;
@@ -435,6 +463,9 @@ void Renderer::render(const ProgressCallback& progress) {
 }
 const Film& Renderer::film() const {
   return impl_->film;
+}
+void Renderer::for_each_strategy(const std::function<void(const StrategyImages&)>& use) const {
+  impl_->for_each_strategy(use);
 }
 const RenderStatistics& Renderer::statistics() const {
   return impl_->statistics;

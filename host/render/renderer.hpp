@@ -13,6 +13,7 @@
 #include "render/film.hpp"
 #include "render/settings.hpp"
 #include "render/stages.hpp"
+#include "render/strategies.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::render {
@@ -77,6 +78,9 @@ class Renderer {
 
   const Film& film() const;
   const RenderStatistics& statistics() const;
+  /// With settings.has_strategy_images, after render(): of every strategy, one after the other, each with
+  /// `use`.
+  void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const;
 
  private:
   struct Impl;

@@ -65,6 +65,7 @@ struct RenderSettings {
   float filter_sigma = 0.5f;   ///< pixels, Gaussian
   uint32_t aovs = 0;           ///< AOV_* bits
   bool has_energy_compensation = false;
+  bool has_strategy_images = false;  ///< keeps images of each strategy (render/strategies.hpp)
   bool keeps_doublings = false;  ///< film() is brought up to date whenever the number of paths has doubled
   uint32_t wave_paths = 0;       ///< path slots per wave; 0: chosen for the device. Never changes the image
 

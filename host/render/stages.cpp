@@ -85,6 +85,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
          {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
          {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
          {SPEC_LIGHT_SAMPLING, settings.light_sampling},
+         {SPEC_STRATEGIES, settings.has_strategy_images ? 1u : 0u},
          {SPEC_FILTER, settings.filter},
          {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "render/scan.hpp"
+#include "render/strategies.hpp"
 
 namespace regulus::render {
 
@@ -73,6 +74,8 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
                    MATERIAL_CLASS_COUNT * sizeof(uint32_t) + (1 + pairs) * sizeof(VisibilityCandidate) +
                    MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair);
   bytes += splats_per_path(settings) * sizeof(SplatCandidate);
+  if (settings.has_strategy_images)
+    bytes += (1 + pairs + splats_per_path(settings)) * sizeof(StrategyCandidate);
   if (has_environment) bytes += sizeof(uint32_t);
   if (plan.has_receivers) bytes += sizeof(LightReceiver);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
@@ -108,6 +111,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.cache_connections = settings.cache_connections;
   create_path_buffers(device, settings, scene.has_environment());
   create_light_buffers(device, settings);
+  if (settings.has_strategy_images) create_strategy_buffers(device, settings);
   frame_buffer_ = gpu::upload_new(device, std::vector<Frame>{frame_}, "frame");
 }
 
@@ -163,6 +167,31 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   frame_.film_squares = address(film_squares);
   frame_.aovs = address(aovs);
   frame_.counters = address(counters);
+}
+
+void WavefrontBuffers::create_strategy_buffers(gpu::Device& device, const RenderSettings& settings) {
+  const std::vector<Strategy> strategies = list_strategies(settings.techniques, settings.max_depth);
+  const uint64_t words = 2 * strategies.size() * settings.window().pixels() * FILM_WORDS_PER_PIXEL;
+  const uint64_t bytes = words * sizeof(uint32_t);
+  // Kernels count the words with 32 bits.
+  if (words >= INVALID_INDEX || bytes > device.free_bytes())
+    throw Error(
+        ExitStatus::Failed,
+        fmt::format("images of {} strategies need {} MiB of device memory, {} MiB are free; use a smaller "
+                    "--size or --max-depth",
+                    strategies.size(), bytes >> 20, device.free_bytes() >> 20));
+  strategy_film = device.create_buffer(bytes, "strategy films");
+  strategy_layers_ =
+      gpu::upload_new(device, strategy_layers(strategies, settings.max_depth), "strategy layers");
+  const uint64_t candidates = frame_.wave_capacity * (1 + pairs_per_path(settings));
+  candidate_strategies_ =
+      device.create_buffer(candidates * sizeof(StrategyCandidate), "strategies of candidates");
+  splat_strategies_ = device.create_buffer(
+      frame_.wave_capacity * splats_per_path(settings) * sizeof(StrategyCandidate), "strategies of splats");
+  frame_.strategy_film = address(strategy_film);
+  frame_.strategy_layers = address(strategy_layers_);
+  frame_.candidate_strategies = address(candidate_strategies_);
+  frame_.splat_strategies = address(splat_strategies_);
 }
 
 void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSettings& settings) {

@@ -51,10 +51,12 @@ class WavefrontBuffers {
   gpu::Buffer queue_heads, empty_heads, film, splat_film, film_earlier, film_squares, aovs, counters;
   gpu::Buffer light_vertex_count;  ///< two words: vertices, size of the most crowded cell if that is crowded
   gpu::Buffer light_path_ends, grid_cells;
+  gpu::Buffer strategy_film;  ///< per strategy a weighted and an unweighted film
 
  private:
   friend class StageRecorder;  // reads the queues between stages
   void create_path_buffers(gpu::Device& device, const RenderSettings& settings, bool has_environment);
+  void create_strategy_buffers(gpu::Device& device, const RenderSettings& settings);
   void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
 
   LightVertexPlan plan_;
@@ -62,9 +64,9 @@ class WavefrontBuffers {
   gpu::Buffer frame_buffer_;
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
       pairs_, escaped_;
-  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_,
-      light_vertex_sharp_, path_footprints_, light_receivers_, path_histories_, camera_vertex_histories_,
-      light_vertex_histories_;
+  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_, strategy_layers_,
+      candidate_strategies_, splat_strategies_, light_vertex_sharp_, path_footprints_, light_receivers_,
+      path_histories_, camera_vertex_histories_, light_vertex_histories_;
 };
 
 }  // namespace regulus::render

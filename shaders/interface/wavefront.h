@@ -28,6 +28,7 @@ REGULUS_CONSTANT SPEC_CLAMP = 13u;           // 1: no contribution exceeds Frame
 REGULUS_CONSTANT SPEC_CROP = 14u;            // 1: only the pixels of Frame.crop are rendered
 REGULUS_CONSTANT SPEC_ENERGY_COMPENSATION = 15u;  // 1: microfacet lobes lose no light, see lib/energy.glsl
 REGULUS_CONSTANT SPEC_LIGHT_SAMPLING = 16u;  // LIGHT_SAMPLING_*
+REGULUS_CONSTANT SPEC_STRATEGIES = 17u;      // 1: each strategy has images of its own (lib/strategies.glsl)
 
 // How next-event estimation chooses a light. Light paths always start by power.
 REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;
@@ -195,6 +196,13 @@ struct SplatCandidate {
 };
 REGULUS_LAYOUT(SplatCandidate, 52);
 
+// Of a visibility or splat candidate: whose it is, and its contribution without the weight.
+struct StrategyCandidate {
+  vec3 unweighted;
+  uint layer;  // of the strategy's images, or INVALID_INDEX
+};
+REGULUS_LAYOUT(StrategyCandidate, 16);
+
 // A camera vertex and a light vertex to connect.
 struct ConnectionPair {
   uint slot;    // of the camera path
@@ -298,6 +306,11 @@ struct Frame {
   DeviceAddress film_earlier;   // `film` and `splat_film` together, as they were after the last whole sample
   DeviceAddress film_squares;   // as `film`, sums of the squares of whole samples
   DeviceAddress energy_tables;  // see lib/energy.glsl
+  // Only with images of strategies (lib/strategies.glsl).
+  DeviceAddress strategy_film;         // per strategy two films as `film`, weighted and not
+  DeviceAddress strategy_layers;       // per edges of a path, s, and whether it is a merge: the number of the strategy
+  DeviceAddress candidate_strategies;  // StrategyCandidate per visibility candidate
+  DeviceAddress splat_strategies;      // and per splat candidate
   uint width, height;
   uvec4 crop;           // pixels that are rendered and that the films hold: x, y of the first, width, height
   uint light_count;
@@ -322,7 +335,7 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint reserved;
 };
-REGULUS_LAYOUT(Frame, 592);
+REGULUS_LAYOUT(Frame, 624);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -31,6 +31,7 @@ REGULUS_BUFFER(HitBuffer, Hit);
 REGULUS_BUFFER(CandidateBuffer, VisibilityCandidate);
 REGULUS_BUFFER(QueueHeadBuffer, QueueHead);
 REGULUS_BUFFER(SplatBuffer, SplatCandidate);
+REGULUS_BUFFER(StrategyCandidateBuffer, StrategyCandidate);
 REGULUS_BUFFER(PathVertexBuffer, PathVertex);
 REGULUS_BUFFER(PathHistoryBuffer, PathHistory);
 REGULUS_BUFFER(LightHeadBuffer, LightPathHead);

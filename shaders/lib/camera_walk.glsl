@@ -7,27 +7,30 @@
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
+#include "lib/strategies.glsl"
 
 // True if the path has met a surface that diffuses before the vertex it arrives at.
 bool is_diffused(Path path) { return (path.pixel & PATH_DIFFUSED) != 0u; }
 
 // Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
 // camera sees directly is found by no other technique.
-vec3 emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory history, TechniqueCounts counts, uint slot) {
-  if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return vec3(0.0);
-  if (point.surface.light == INVALID_INDEX) return vec3(0.0);
-  if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return vec3(0.0);
+Weighted emission_towards(Frame frame, ShadingPoint point, Path path, PathHistory history, TechniqueCounts counts,
+                          uint slot) {
+  const Weighted NONE = Weighted(vec3(0.0), vec3(0.0));
+  if ((spec_techniques & TECHNIQUE_HIT) == 0u || (spec_features & FEATURE_TRIANGLE_LIGHTS) == 0u) return NONE;
+  if (point.surface.light == INVALID_INDEX) return NONE;
+  if (!point.is_front && (point.material.flags & MATERIAL_DOUBLE_SIDED) == 0u) return NONE;
   vec3 radiance = emitted_radiance(frame, point.material, point.material.emission, point.surface.uv, point.surface.color);
-  if (path.bounce == 0u) return radiance;
+  if (path.bounce == 0u) return Weighted(radiance, radiance);
   float selection_pdf = LOAD(LightBuffer, frame.lights, point.surface.light).selection_pdf;
   float pdf_connect = previous_choice_probability(frame, slot, point.surface.light, selection_pdf) / point.surface.area;
   float cos_light = abs(dot(path.direction, point.surface.geometric_normal));
   float pdf_emit = selection_pdf / point.surface.area * triangle_emission_pdf(point.material, cos_light);
-  return radiance * hit_weight(frame, path, history, counts, pdf_connect, pdf_emit, EMITTER_BOUND);
+  return Weighted(radiance * hit_weight(frame, path, history, counts, pdf_connect, pdf_emit, EMITTER_BOUND), radiance);
 }
 
 // What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
-vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                       Regularization regularization, TechniqueCounts counts, LightSample light, vec3 wi) {
   ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
@@ -36,6 +39,7 @@ vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vert
   float weight = mis_weight_nee(counts, vertex, bsdf.eval.pdf_forward * per_light, emission_pdf, bsdf.eval.pdf_reverse,
                                 copies(bsdf.ratio));
   vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  vec3 unweighted = weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio);
   if (has_sampler_quality()) {
     uint edges = path.bounce + 1u;
     float distance = edge_length(frame, light.distance, light.is_distant);
@@ -46,8 +50,9 @@ vec3 light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vert
                                         bsdf.plain.pdf_reverse, 1.0);
     float share = regularized_share(regularization, worst, history.distance + distance);
     value = mix(bsdf.plain.value * plain_weight, value, share);
+    unweighted = mix(bsdf.plain.value, unweighted, share);
   }
-  return value * abs(wi.z);
+  return Weighted(value * abs(wi.z), unweighted * abs(wi.z));
 }
 
 // Technique `nee`: queues a shadow segment with what it would contribute.
@@ -58,9 +63,10 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
-  vec3 contribution = path.throughput * light.radiance *
-                      (light_connection(frame, point, path, vertex, history, regularization, counts, light, wi) / light.pdf);
-  contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
+  Weighted measured = light_connection(frame, point, path, vertex, history, regularization, counts, light, wi);
+  vec3 factor = path.throughput * light.radiance / light.pdf *
+                transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
+  vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
   VisibilityCandidate candidate = visibility_segment(point, light.wi, light.target);
@@ -72,6 +78,10 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);
+  if (has_strategies()) {
+    uint layer = strategy_layer(frame, 1u, path.bounce + 2u, false);
+    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * measured.unweighted, layer));
+  }
 }
 
 // Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.

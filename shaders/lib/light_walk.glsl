@@ -7,6 +7,7 @@
 #include "lib/history.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
+#include "lib/strategies.glsl"
 
 bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u; }
 
@@ -42,9 +43,13 @@ float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
   return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
 }
 
-void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film) {
+// edges: of the light path; unweighted: the contribution without its weight.
+void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film, uint edges, vec3 unweighted) {
   uint index = queue_reserve(queue_head(QUEUE_SPLATS));
   STORE(SplatBuffer, frame.splats, index, SplatCandidate(segment, film));
+  if (has_strategies())
+    STORE(StrategyCandidateBuffer, frame.splat_strategies, index,
+          StrategyCandidate(unweighted, strategy_layer(frame, edges + 1u, 1u, false)));
 }
 
 vec2 film_size(Frame frame) { return vec2(frame.width, frame.height); }
@@ -70,6 +75,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   count_copies(counts, history.sharp_ratio, bsdf.ratio, vertex);
   float weight = mis_weight_splat(counts, vertex, bsdf.eval.pdf_reverse, area_pdf, copies(bsdf.ratio));
   vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  vec3 unweighted = weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio);
   if (has_sampler_quality()) {
     uint edges = path.bounce + 1u;
     float distance = edge_length(frame, lens.distance, frame.camera.kind == CAMERA_ORTHOGRAPHIC);
@@ -79,16 +85,18 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
     float plain_weight = mis_weight_splat(counts, plain, bsdf.plain.pdf_reverse, area_pdf, 1.0);
     float share = regularized_share(regularization, worst, history.distance + distance);
     value = mix(bsdf.plain.value * plain_weight, value, share);
+    unweighted = mix(bsdf.plain.value, unweighted, share);
   }
   float correction = shading_correction(point, -path.direction, point.wo.z);
-  vec3 contribution = path.throughput * value * (correction * area_pdf / float(frame.light_path_count));
-  contribution *= transmittance(frame, medium_towards(point, path.medium, wi.z), lens.distance);
+  vec3 factor = path.throughput * (correction * area_pdf / float(frame.light_path_count)) *
+                transmittance(frame, medium_towards(point, path.medium, wi.z), lens.distance);
+  vec3 contribution = factor * value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =
       visibility_segment(point, lens.wi, point.surface.position + lens.distance * lens.wi);
   segment.path = 0u;
   segment.contribution = contribution;
-  queue_splat(frame, segment, lens.film);
+  queue_splat(frame, segment, lens.film, path.bounce + 1u, factor * unweighted);
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.

@@ -27,10 +27,14 @@ void main() {
                    path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
   }
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
-  vec3 emitted = path.throughput * emission_towards(frame, point, path, history, counts, slot);
+  Weighted emission = emission_towards(frame, point, path, history, counts, slot);
+  vec3 emitted = path.throughput * emission.value;
   if (any(greaterThan(emitted, vec3(0.0))))
     STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) +
                                                 clamp_contribution(emitted, frame.largest_contribution));
+  if (has_strategies())
+    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL),
+                    clamp_contribution(emitted, frame.largest_contribution), path.throughput * emission.unweighted);
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
   bool ends = path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0;

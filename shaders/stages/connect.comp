@@ -6,6 +6,7 @@
 #include "lib/film.glsl"
 #include "lib/history.glsl"
 #include "lib/shading.glsl"
+#include "lib/strategies.glsl"
 
 // Over how many connections the estimate of one camera vertex is divided.
 float connection_count(Frame frame) {
@@ -25,8 +26,8 @@ struct Connection {
   float camera_pdf_scale, light_pdf_scale;  // solid-angle pdf towards the vertex to area pdf there
 };
 
-// Both bsdfs times the weight.
-vec3 weighted_value(Frame frame, Connection connection) {
+// Both bsdfs, and their product with the weight.
+Weighted weighted_value(Frame frame, Connection connection) {
   PathVertex camera = connection.camera, light = connection.light;
   ConnectionEval at_camera = connection.camera_bsdf, at_light = connection.light_bsdf;
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
@@ -47,7 +48,8 @@ vec3 weighted_value(Frame frame, Connection connection) {
                                     at_camera.eval.pdf_reverse,
                                     at_light.eval.pdf_forward * connection.camera_pdf_scale, copies(ratios));
   vec3 plain_value = at_camera.plain.value * at_light.plain.value;
-  vec3 value = weighted(at_camera.eval.value * at_light.eval.value, plain_value, weight, ratios);
+  vec3 raised_value = at_camera.eval.value * at_light.eval.value;
+  Weighted value = Weighted(weighted(raised_value, plain_value, weight, ratios), weighted(raised_value, plain_value, 1.0, ratios));
   if (!has_sampler_quality()) return value;
 
   MisVertex plain_camera = mis_camera_vertex(counts, camera_history.plain.x, camera_history.plain.y, camera_edges);
@@ -62,7 +64,7 @@ vec3 weighted_value(Frame frame, Connection connection) {
   worst = min(worst, at_camera.bound * at_light.bound / max(square(distance), 1e-12));
   float share = regularized_share(regularization_of(frame, connection.iteration, true), worst,
                                   camera_history.distance + light_history.distance + distance);
-  return mix(plain_value * plain_weight, value, share);
+  return Weighted(mix(plain_value * plain_weight, value.value, share), mix(plain_value, value.unweighted, share));
 }
 
 void main() {
@@ -92,12 +94,13 @@ void main() {
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
-  vec3 value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf, light_diffused,
+  Weighted value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf, light_diffused,
                                                 path.sample_index, distance, camera_cos, light_cos));
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
-  vec3 contribution = camera.throughput * light.throughput * value *
-                      (abs(camera_wi.z) * light_cos * correction / connection_count(frame));
-  contribution *= transmittance(frame, medium_towards(camera_point, camera.link, camera_wi.z), distance);
+  vec3 factor = camera.throughput * light.throughput *
+                (abs(camera_wi.z) * light_cos * correction / connection_count(frame)) *
+                transmittance(frame, medium_towards(camera_point, camera.link, camera_wi.z), distance);
+  vec3 contribution = factor * value.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
@@ -106,4 +109,8 @@ void main() {
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);
+  if (has_strategies()) {
+    uint layer = strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, (camera.edges & PATH_VERTEX_EDGES) + 1u, false);
+    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * value.unweighted, layer));
+  }
 }

@@ -7,6 +7,7 @@
 #include "lib/history.glsl"
 #include "lib/light.glsl"
 #include "lib/stage.glsl"
+#include "lib/strategies.glsl"
 
 void main() {
   uint i = item_index();
@@ -33,4 +34,7 @@ void main() {
   vec3 emitted =
       clamp_contribution(path.throughput * environment.radiance * weight, frame.largest_contribution);
   STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+  if (has_strategies())
+    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL), emitted,
+                    path.throughput * environment.radiance);
 }

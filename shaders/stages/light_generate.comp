@@ -20,7 +20,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
   segment.path = 0u;
   segment.contribution =
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
-  queue_splat(frame, segment, lens.film);
+  queue_splat(frame, segment, lens.film, 0u, segment.contribution);
 }
 
 void main() {

@@ -7,6 +7,7 @@
 #include "lib/grid.glsl"
 #include "lib/history.glsl"
 #include "lib/shading.glsl"
+#include "lib/strategies.glsl"
 
 // The grid entries of the cells near a point: ranges without duplicates (cells may share a hash).
 struct Neighbourhood {
@@ -52,8 +53,8 @@ struct Gatherer {
   TechniqueCounts counts;
 };
 
-// The bsdf of a merge with light vertex `light`, number `index`, times its weight.
-vec3 weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index, vec3 wi) {
+// The bsdf of a merge with light vertex `light`, number `index`, and its product with the weight.
+Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index, vec3 wi) {
   TechniqueCounts counts = gatherer.counts;
   ConnectionEval bsdf =
       bsdf_connect(gatherer.point.bsdf, gatherer.point.wo, wi, TRANSPORT_RADIANCE, gatherer.regularization);
@@ -67,7 +68,8 @@ vec3 weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index
   }
   float weight = mis_weight_merge(counts, light_mis, bsdf.eval.pdf_forward, camera_mis, bsdf.eval.pdf_reverse,
                                   copies(bsdf.ratio));
-  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
+  Weighted value = Weighted(weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio),
+                            weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio));
   if (!has_sampler_quality()) return value;
 
   uint light_edges = light.edges & PATH_VERTEX_EDGES;
@@ -80,16 +82,18 @@ vec3 weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index
                     history_worst(light_history, counts, bsdf.bound, light_edge_technique(light_edges)));
   float share =
       regularized_share(gatherer.regularization, worst, gatherer.history.distance + light_history.distance);
-  return mix(bsdf.plain.value * plain_weight, value, share);
+  return Weighted(mix(bsdf.plain.value * plain_weight, value.value, share),
+                  mix(bsdf.plain.value, value.unweighted, share));
 }
 
 // What one light vertex contributes at the camera vertex.
-vec3 merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
+Weighted merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
   vec3 wi = to_local(gatherer.point, light.direction);
-  if (!sides_agree(gatherer.point, light.direction, wi)) return vec3(0.0);
+  if (!sides_agree(gatherer.point, light.direction, wi)) return Weighted(vec3(0.0), vec3(0.0));
   float correction = shading_correction(gatherer.point, light.direction, wi.z);
-  return gatherer.vertex.throughput * light.throughput * weighted_value(frame, gatherer, light, index, wi) *
-         (correction / gatherer.counts.merge);
+  vec3 factor = gatherer.vertex.throughput * light.throughput * (correction / gatherer.counts.merge);
+  Weighted bsdf = weighted_value(frame, gatherer, light, index, wi);
+  return Weighted(factor * bsdf.value, factor * bsdf.unweighted);
 }
 
 void main() {
@@ -136,11 +140,15 @@ void main() {
     if (dot(offset, offset) > square(stage.merge_radius)) continue;
     PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, entry.vertex);
     if (gatherer.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
-    vec3 contribution = merge_contribution(frame, gatherer, light, entry.vertex);
-    if (is_valid_sample(contribution))
-      fixed_sum_add(sum, clamp_contribution(contribution, frame.largest_contribution));
+    Weighted contribution = merge_contribution(frame, gatherer, light, entry.vertex);
+    contribution.value = clamp_contribution(contribution.value, frame.largest_contribution);
+    if (is_valid_sample(contribution.value))
+      fixed_sum_add(sum, contribution.value);
     else
       is_valid = false;
+    if (has_strategies())
+      add_to_strategy(frame, strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, gatherer.edges + 1u, true),
+                      film_index(frame, path.pixel & PATH_PIXEL), contribution.value, contribution.unweighted);
   }
   if (!is_valid) count_events(COUNTER_NON_FINITE, 1u);
   film_add_sum(frame.film, film_index(frame, path.pixel & PATH_PIXEL), sum);

@@ -6,6 +6,7 @@
 #include "lib/camera.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"
+#include "lib/strategies.glsl"
 #include "lib/traversal.glsl"
 
 void main() {
@@ -29,6 +30,12 @@ void main() {
       vec2 offset = vec2(x, y) + 0.5 - splat.film;
       float density = filter_density(offset, frame.filter_radius, frame.filter_sigma);
       vec3 contribution = clamp_contribution(density * splat.segment.contribution, frame.largest_contribution);
-      if (density > 0.0) film_add(frame.splat_film, uint((y - corner.y) * size.x + x - corner.x), contribution);
+      if (!(density > 0.0)) continue;
+      uint index = uint((y - corner.y) * size.x + x - corner.x);
+      film_add(frame.splat_film, index, contribution);
+      if (has_strategies()) {
+        StrategyCandidate strategy = LOAD(StrategyCandidateBuffer, frame.splat_strategies, i);
+        add_to_strategy(frame, strategy.layer, index, contribution, density * strategy.unweighted);
+      }
     }
 }

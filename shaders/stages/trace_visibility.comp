@@ -6,6 +6,7 @@
 #include "lib/alpha.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"
+#include "lib/strategies.glsl"
 #include "lib/traversal.glsl"
 
 void main() {
@@ -16,6 +17,12 @@ void main() {
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (occluded) return;
   candidate.contribution = clamp_contribution(candidate.contribution, FRAME.largest_contribution);
+  if (has_strategies()) {
+    StrategyCandidate strategy = LOAD(StrategyCandidateBuffer, FRAME.candidate_strategies, i);
+    uint pixel = candidate.path;
+    if ((spec_techniques & TECHNIQUE_CONNECT) == 0u) pixel = film_index(FRAME, LOAD(PathBuffer, FRAME.paths, pixel).pixel & PATH_PIXEL);
+    add_to_strategy(FRAME, strategy.layer, pixel, candidate.contribution, strategy.unweighted);
+  }
   if ((spec_techniques & TECHNIQUE_CONNECT) == 0u) {
     vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.path);
     STORE(Vec3Buffer, FRAME.radiance, candidate.path, radiance + candidate.contribution);

@@ -3,6 +3,7 @@
 // weights.
 #include <gtest/gtest.h>
 
+#include <map>
 #include <span>
 
 #include "images/support/comparison.hpp"
@@ -248,6 +249,48 @@ TEST_F(LightSubpaths, AgreeOnCoatsAndAnisotropy) {
   scene.add(block, brushed, glm::dmat4(1), corners);
   scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
   expect_sets_agree("coats", scene, {{"vcm", VCM}});
+}
+
+// Strategy images: the weighted ones sum to the picture, and what a strategy finds alone is what a render of
+// nothing else finds with the same random numbers.
+TEST_F(LightSubpaths, StrategyImagesSumToThePicture) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  GltfScene scene = room(WHITE, plastic({0.2, 0.5, 0.3}, 0.5), WHITE);
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  const PreparedScene prepared = prepare(scene);
+  RenderSettings settings = box_filtered(SIZE, SIZE, 4, 4);
+  settings.techniques = VCM;
+  settings.merge_radius = 0.1f;
+  settings.has_strategy_images = true;
+  render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+  renderer.render([](uint64_t, uint64_t) { return true; });
+  const image::Image whole = resolve(renderer.film());
+  std::vector<double> sum(whole.rgb.size());
+  std::map<std::string, image::Image> alone;
+  renderer.for_each_strategy([&](const render::StrategyImages& images) {
+    // The lamp itself is out of sight.
+    if (images.strategy.edges() > 1) {
+      EXPECT_GT(mean_of(images.weighted)[0], 0) << images.strategy.name();
+    }
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += images.weighted.rgb[i];
+    alone[images.strategy.name()] = images.unweighted;
+  });
+  // Of paths of 1 ... 4 edges: hit 4 (the first of what the camera sees itself), nee 3, splat 3, connect 1 +
+  // 2, merge 1 + 2 + 3.
+  EXPECT_EQ(alone.size(), 19u);
+  for (size_t i = 0; i < sum.size(); ++i) EXPECT_NEAR(sum[i], whole.rgb[i], 1e-5 * (1 + whole.rgb[i])) << i;
+
+  settings.has_strategy_images = false;
+  settings.max_depth = 2;
+  const std::pair<const char*, uint32_t> direct[] = {
+      {"hit-s0-t3", TECHNIQUE_HIT}, {"nee-s1-t2", TECHNIQUE_NEE}, {"splat-s2-t1", TECHNIQUE_SPLAT}};
+  for (const auto& [name, technique] : direct) {
+    settings.techniques = technique;
+    const image::Image known = render(prepared, settings).image;
+    const image::Image& image = alone.at(name);
+    for (size_t i = 0; i < known.rgb.size(); ++i)
+      EXPECT_NEAR(image.rgb[i], known.rgb[i], 1e-5 * (1 + known.rgb[i])) << name << " " << i;
+  }
 }
 
 // The film's border and a camera without perspective: splats through the wide filter reach pixels from film
