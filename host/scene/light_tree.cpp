@@ -360,8 +360,11 @@ LightTree build_light_tree(const std::vector<TreeLight>& lights) {
 }
 
 uint32_t resolve_light_sampling(uint32_t asked, size_t lights) {
+  // The walk costs half as much again as a sample by power, which a few lights do not repay.
+  constexpr size_t MANY_LIGHTS = 32;
   if (lights < 2) return interface::LIGHT_SAMPLING_POWER;
-  return asked == interface::LIGHT_SAMPLING_AUTO ? interface::LIGHT_SAMPLING_BVH : asked;
+  if (asked != interface::LIGHT_SAMPLING_AUTO) return asked;
+  return lights < MANY_LIGHTS ? interface::LIGHT_SAMPLING_POWER : interface::LIGHT_SAMPLING_BVH;
 }
 
 }  // namespace regulus::scene

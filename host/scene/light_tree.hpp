@@ -44,7 +44,7 @@ struct TreeLight {
 LightTree build_light_tree(const std::vector<TreeLight>& lights);
 
 /// What a request for LIGHT_SAMPLING_* comes to for so many lights: never AUTO, and by power where there is
-/// nothing to choose.
+/// nothing to choose; AUTO is the tree where there are many.
 uint32_t resolve_light_sampling(uint32_t asked, size_t lights);
 
 }  // namespace regulus::scene
