@@ -216,7 +216,8 @@ void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
   CLI::App* command = app.add_subcommand(
       "check", "Hold every stage of the device against the scalar reference, on data of a scene");
-  options->render.regularization = interface::REGULARIZATION_NONE;  // what the stages do unless asked otherwise
+  options->render.regularization =
+      interface::REGULARIZATION_NONE;  // what the stages do unless asked otherwise
   declare_render_options(*command, options->render);
   command->add_option("--path", options->path, "Print one camera path from both in full: x,y,sample");
   command->add_option("--weights", options->weights,

@@ -113,8 +113,8 @@ struct PipelineStep {
 /// (emitters that can be hit, lights at all, surfaces that are not perfectly specular).
 uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings);
 
-/// REGULARIZATION_* bits of the settings, or REGULARIZATION_NONE if no lobe of the scene is sharper than what tau
-/// allows (known for BOUND_PEAK alone, whose alpha does not depend on directions).
+/// REGULARIZATION_* bits of the settings, or REGULARIZATION_NONE if no lobe of the scene is sharper than what
+/// tau allows (known for BOUND_PEAK alone, whose alpha does not depend on directions).
 uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings);
 
 /// How `nee` chooses among the scene's lights: scene::resolve_light_sampling() for settings whose techniques
