@@ -42,7 +42,8 @@ image::Image resolve(const Film& film) {
 
 image::Image resolve_variance(const Film& film) {
   const uint64_t pixels = film.pixels();
-  const double samples = static_cast<double>(film.paths / pixels);
+  const uint64_t whole_samples = film.paths / pixels;
+  const auto samples = static_cast<double>(whole_samples);
   image::Image image{film.width, film.height,
                      std::vector<float>(3 * pixels, std::numeric_limits<float>::infinity())};
   if (samples < 2) return image;
