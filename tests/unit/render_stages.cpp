@@ -62,6 +62,7 @@ TEST(Techniques, ThatTheSceneCannotUseAreDropped) {
   features.bits = FEATURE_TRIANGLE_LIGHTS;
   EXPECT_EQ(effective_techniques(features, settings), ALL);
   features.has_connectible_surfaces = false;
+  features.least_reflection_alpha = 0;
   EXPECT_EQ(effective_techniques(features, settings), ALL & ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE))
       << "perfect mirrors cannot be connected";
   settings.regularization = REGULARIZATION_ROUGHNESS;
