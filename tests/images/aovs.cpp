@@ -13,7 +13,10 @@ namespace {
 
 class Aovs : public testing::Test {
  protected:
-  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+  void SetUp() override {
+    REGULUS_SKIP_WITHOUT_DEVICE();
+    if (is_slow_device()) GTEST_SKIP() << "slow device";
+  }
 };
 
 const std::vector<float>& floats(const image::Channels& channels, const std::string& name) {
@@ -140,7 +143,6 @@ TEST_F(Aovs, OfACropAreThoseOfTheWhole) {
 // so five times twice that. And the noise that --noise states is the same estimate: one degree of freedom for
 // each value.
 TEST_F(Aovs, VarianceIsTheSpreadOfIndependentRenders) {
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
   GltfScene scene;
   scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.5, 0.5, 0.5}));
   scene.add({quad({-0.5, 1.5, -0.5}, {1, 0, 0}, {0, 0, 1})}, emitter({10, 10, 10}));

@@ -136,6 +136,7 @@ double single_scattering(const Model& model, double base, double alpha, double c
 // and Conty 2017), with the mean F of all directions, relative to E F.
 TEST(EnergyCompensation, MetalsHaveTheColourOfTheirBounces) {
   REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow()) GTEST_SKIP() << "slow device";
   constexpr double BASE = 0.4;
   Material material = white_material();
   material.metallic = 1;
