@@ -217,7 +217,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       .add_option(
           "--light-sampling", settings.light_sampling,
           "How surfaces choose the light they sample: bvh (by what it can send there), power, uniform, "
-          "auto (bvh where there are several)")
+          "auto (bvh from 32 lights on)")
       ->transform(CLI::CheckedTransformer(LIGHT_SAMPLING_NAMES))
       ->default_str("auto");
   command.add_option("--connections", options.connections,

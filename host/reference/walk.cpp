@@ -231,7 +231,6 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   const dvec2 centre = dvec2(pixel % camera.width(), pixel / camera.width()) + 0.5;
 
   CameraSubpath subpath;
-  subpath.regularization = regularization_of(settings, sample);
   subpath.film = centre + settings.filter.sample({u_camera.x, u_camera.y});
   subpath.ray = camera.ray(subpath.film, {u_camera.z, u_camera.w});
   subpath.density = camera.density(subpath.ray.direction);

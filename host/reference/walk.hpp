@@ -103,7 +103,6 @@ struct CameraSubpath {
   glm::dvec2 film{0};
   CameraRay ray{};
   RayDensity density;  ///< of the ray, see Path::camera
-  Regularization regularization;
   std::vector<WalkVertex> vertices;
   std::optional<Escape> escape;
 };

@@ -28,7 +28,7 @@ constexpr uint32_t SOFTWARE_WAVE_PATHS = 1u << 16, HARDWARE_WAVE_PATHS = 1u << 2
 // Waves handed to the device ahead of time, so that it never waits for the host.
 constexpr size_t WAVES_IN_FLIGHT = 2;
 constexpr double SNAPSHOT_SECONDS = 5;
-// Each sends AOV_RAYS rays and one more.
+// Each sends AOV_RAYS rays and one more in a submission.
 constexpr uint32_t SURFACE_WAVE_PIXELS = 1u << 14;
 
 double seconds_since(Clock::time_point start) {
@@ -396,8 +396,10 @@ struct Renderer::Impl {
     const uint64_t count = buffers.aovs.size() / sizeof(AovPixel);
     for (uint64_t first = 0; first < count; first += SURFACE_WAVE_PIXELS) {
       gpu::CommandList commands(device);
-      record_step(commands, pipeline, "surface_aovs", arguments_of(first, 0, 0),
-                  std::min<uint64_t>(SURFACE_WAVE_PIXELS, count - first));
+      StageArguments arguments = arguments_of(first, 0, 0);
+      for (arguments.round = 0; arguments.round <= AOV_RAYS; ++arguments.round)
+        record_step(commands, pipeline, "surface_aovs", arguments,
+                    std::min<uint64_t>(SURFACE_WAVE_PIXELS, count - first));
       submit(std::move(commands), 0, 0);
     }
     finish_all_waves();

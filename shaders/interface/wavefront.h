@@ -346,7 +346,8 @@ struct StageArguments {
   uint first_sample;   // and its sample index
   float merge_radius;  // m, of this iteration
   uint round;          // merge: which share of the light vertices in reach this dispatch takes; light walks: 1 if
-                       // they are repeated and their splats are on the film already; count_work: the pass
+                       // they are repeated and their splats are on the film already; count_work: the pass;
+                       // surface_aovs: the ray
 };
 REGULUS_LAYOUT(StageArguments, 32);
 

@@ -1,6 +1,7 @@
-// surface_aovs: what camera rays meet first, once per pixel: a function of the scene, the camera and the seed, whatever
-// samples are rendered.
-// reads  frame.camera, scene          writes  aovs
+// surface_aovs: what camera rays meet first: a function of the scene, the camera and the seed, whatever samples are
+// rendered. A dispatch traces ray `round` of each pixel, the last of them through the centres of the pixel and
+// of the lens; a loop over the rays here would take SwiftShader minutes to compile.
+// reads  frame.camera, scene, aovs          writes  aovs
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/alpha.glsl"
@@ -33,23 +34,26 @@ void main() {
   uint index = stage.first_pixel + item_index();
   if (index >= frame.crop.z * frame.crop.w) return;
   uint pixel = pixel_of(frame, index);
-  vec2 centre = vec2(pixel % frame.width, pixel / frame.width) + 0.5;
+  uint ray = stage.round;
+  bool is_centre = ray == AOV_RAYS;
+  vec4 u = random_block(frame.seed, pixel, ray, DIMENSION_BLOCK_CAMERA);
+  vec2 offset = is_centre ? vec2(0.0) : sample_filter(u.xy, frame.filter_radius, frame.filter_sigma);
   AovPixel result = AovPixel(vec3(0.0), uintBitsToFloat(0x7F800000u), vec3(0.0), INVALID_INDEX, vec3(0.0), INVALID_INDEX,
                              vec3(0.0), 0u);
+  if (ray > 0u) result = LOAD(AovPixelBuffer, frame.aovs, index);
   ShadingPoint point;
   Hit hit;
-  for (uint ray = 0u; ray < AOV_RAYS; ++ray) {
-    vec4 u = random_block(frame.seed, pixel, ray, DIMENSION_BLOCK_CAMERA);
-    if (!meet(frame, centre + sample_filter(u.xy, frame.filter_radius, frame.filter_sigma), u.zw, point, hit)) continue;
-    result.albedo += albedo_of(frame, point) / float(AOV_RAYS);
-    result.shading_normal += point.normal / float(AOV_RAYS);
-    result.geometric_normal += point.geometric_normal / float(AOV_RAYS);
-  }
-  if (meet(frame, centre, vec2(0.5), point, hit)) {
-    result.position = point.surface.position;
-    result.depth = dot(result.position - frame.camera.position, frame.camera.forward);
-    result.material = point.surface.material;
-    result.instance = LOAD(TriangleBuffer, frame.triangles, hit.triangle).instance;
+  if (meet(frame, vec2(pixel % frame.width, pixel / frame.width) + 0.5 + offset, is_centre ? vec2(0.5) : u.zw, point, hit)) {
+    if (is_centre) {
+      result.position = point.surface.position;
+      result.depth = dot(result.position - frame.camera.position, frame.camera.forward);
+      result.material = point.surface.material;
+      result.instance = LOAD(TriangleBuffer, frame.triangles, hit.triangle).instance;
+    } else {
+      result.albedo += albedo_of(frame, point) / float(AOV_RAYS);
+      result.shading_normal += point.normal / float(AOV_RAYS);
+      result.geometric_normal += point.geometric_normal / float(AOV_RAYS);
+    }
   }
   STORE(AovPixelBuffer, frame.aovs, index, result);
 }

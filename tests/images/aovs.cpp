@@ -13,10 +13,7 @@ namespace {
 
 class Aovs : public testing::Test {
  protected:
-  void SetUp() override {
-    REGULUS_SKIP_WITHOUT_DEVICE();
-    if (is_slow_device()) GTEST_SKIP() << "slow device";
-  }
+  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
 };
 
 const std::vector<float>& floats(const image::Channels& channels, const std::string& name) {

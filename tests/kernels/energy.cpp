@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "energy_case.h"
 #include "reference/bsdf.hpp"
@@ -67,15 +66,10 @@ std::vector<glm::vec3> albedos(const Model& model, Material material, bool is_fr
   return map_on_device<glm::vec3>(kernel, cases, 1, SAMPLES);
 }
 
-bool is_slow() {
-  return device()->info().name.find("SwiftShader") != std::string::npos ||
-         std::getenv("VK_INSTANCE_LAYERS") != nullptr;
-}
-
 // The bound is the one that was set, 1 percent; of it 0.2 are for the sequence of samples.
 TEST(EnergyCompensation, WhiteSurfacesReflectAndTransmitEverything) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow()) GTEST_SKIP() << "slow device";
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
   Material metal = white_material(), plastic = metal, glass = metal, pane = metal;
   metal.metallic = 1;
   glass.transmission = pane.transmission = 1;
@@ -136,7 +130,7 @@ double single_scattering(const Model& model, double base, double alpha, double c
 // and Conty 2017), with the mean F of all directions, relative to E F.
 TEST(EnergyCompensation, MetalsHaveTheColourOfTheirBounces) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow()) GTEST_SKIP() << "slow device";
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
   constexpr double BASE = 0.4;
   Material material = white_material();
   material.metallic = 1;

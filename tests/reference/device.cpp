@@ -166,7 +166,7 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
       {"another triangle", Pass::Camera, 1, [](Recording& r) { r.bounces[0].hits[7].triangle ^= 1U; }},
       {"distance of a hit", Pass::Camera, 1, [](Recording& r) { r.bounces[0].hits[9].t *= 1.001F; }},
       {"throughput", Pass::Camera, 2,
-       [](Recording& r) { r.bounces[1].after[first_hit(r.bounces[1])].throughput.g *= 1.001F; }},
+       [](Recording& r) { r.bounces[1].after[first_hit(r.bounces[1])].throughput *= 1.001F; }},
       {"direction", Pass::Camera, 2,
        [&](Recording& r) {
          Path& path = r.bounces[0].after[first_hit(r.bounces[0])];

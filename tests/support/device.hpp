@@ -17,6 +17,10 @@ namespace regulus::test {
 /// that exists and cannot be used is an error.
 gpu::Device* device();
 
+/// True on a device so slow that tests take fewer samples (SwiftShader, or any under validation layers).
+/// Precondition: there is a device.
+bool is_slow_device();
+
 /// Skips the calling test where there is no Vulkan device.
 #define REGULUS_SKIP_WITHOUT_DEVICE() \
   if (::regulus::test::device() == nullptr) GTEST_SKIP() << "no Vulkan device"

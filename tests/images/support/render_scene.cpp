@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 
 #include "support/device.hpp"
 #include "support/random.hpp"
@@ -44,12 +43,6 @@ std::vector<image::Image> render_batches(const PreparedScene& prepared, render::
     images.push_back(render(prepared, settings).image);
   }
   return images;
-}
-
-bool is_slow_device() {
-  // Under validation layers every command is checked on the host: there the layers are what is tested.
-  return device()->info().name.find("SwiftShader") != std::string::npos ||
-         std::getenv("VK_INSTANCE_LAYERS") != nullptr;
 }
 
 }  // namespace regulus::test

@@ -33,7 +33,4 @@ render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t m
 std::vector<image::Image> render_batches(const PreparedScene& prepared, render::RenderSettings settings,
                                          int count, uint32_t stream);
 
-/// True on a device so slow that tests take fewer samples (SwiftShader, or any under validation layers).
-bool is_slow_device();
-
 }  // namespace regulus::test
