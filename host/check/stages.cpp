@@ -259,7 +259,8 @@ class StageChecker {
                  2 * CHOICE_TOLERANCE * sign_of(jitter, 8));
     u = glm::clamp(u, dvec4(0), dvec4(1 - 1e-9));
     reference::Surface surface = subject_.world.surface_at(hit.triangle, barycentrics);
-    if (is_moved) surface.uv += 2 * ULP * abs(surface.uv) * dvec2(sign_of(jitter, 9), sign_of(jitter, 10));
+    const double sign_u = sign_of(jitter, 9), sign_v = sign_of(jitter, 10);
+    if (is_moved) surface.uv += 2 * ULP * abs(surface.uv) * dvec4(sign_u, sign_v, sign_u, sign_v);
     reference::WalkVertex vertex = arrive(subject_.world, surface, hit.t, state, 1, is_camera_);
     const bool goes_on = is_camera_ ? scatter_from_camera(subject_.world, vertex, state, index, u)
                                     : scatter_from_light(subject_.world, vertex, state, index, u);

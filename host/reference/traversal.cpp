@@ -93,17 +93,17 @@ double coverage_at(const scene::Scene& scene, uint32_t index, const glm::dvec2& 
   if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0) return 1;
   const uint32_t corners[3] = {triangle.v0, triangle.v1, triangle.v2};
   const double weights[3] = {1 - barycentrics.x - barycentrics.y, barycentrics.x, barycentrics.y};
-  glm::dvec2 uv(0);
   double of_vertices = scene.vertex_colors.empty() ? 1 : 0;
-  for (int i = 0; i < 3; ++i) {
-    uv += weights[i] * glm::dvec2(scene.vertices[corners[i]].uv);
+  for (int i = 0; i < 3; ++i)
     if (!scene.vertex_colors.empty())
       of_vertices += weights[i] * static_cast<double>(scene.vertex_colors[corners[i]].a);
-  }
   double alpha = material.alpha * of_vertices;
   if (material.alpha_texture != INVALID_INDEX)
-    alpha *= static_cast<double>(
-        scene::sample_texture(scene, scene.textures[material.alpha_texture], glm::vec2(uv)).a);
+    alpha *=
+        static_cast<double>(scene::sample_texture(scene, scene.textures[material.alpha_texture],
+                                                  scene::texture_coordinates(
+                                                      scene, triangle, {weights[0], weights[1], weights[2]}))
+                                .a);
   if ((material.flags & MATERIAL_ALPHA_MASK) != 0) return alpha >= material.alpha_cutoff ? 1 : 0;
   return alpha;
 }

@@ -80,7 +80,7 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const GivenHit
 
 /// A surface point as single precision has it.
 void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
-  for (int axis = 0; axis < 2; ++axis)
+  for (int axis = 0; axis < 4; ++axis)
     surface.uv[axis] = rounding.moved(surface.uv[axis], 2 * UNIT_ROUNDOFF * std::abs(surface.uv[axis]));
   for (int axis = 0; axis < 3; ++axis)
     surface.shading_normal[axis] = rounding.moved(surface.shading_normal[axis], 2 * UNIT_ROUNDOFF);

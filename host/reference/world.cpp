@@ -61,7 +61,7 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.geometric_normal = normalize(cross);
   surface.shading_normal = surface.geometric_normal;
   surface.area = 0.5 * length(cross);
-  surface.uv = b.x * dvec2(v0.uv) + b.y * dvec2(v1.uv) + b.z * dvec2(v2.uv);
+  surface.uv = scene::texture_coordinates(scene_, triangle, b);
   if (!scene_.vertex_colors.empty())
     surface.color = b.x * glm::dvec4(scene_.vertex_colors[triangle.v0]) +
                     b.y * glm::dvec4(scene_.vertex_colors[triangle.v1]) +
@@ -143,9 +143,9 @@ dvec3 World::mapped_normal(const Surface& surface, const Triangle& triangle, con
   return missing > 0 ? normalize(mapped + missing * surface.geometric_normal) : mapped;
 }
 
-glm::dvec4 World::texture_at(uint32_t index, const dvec2& uv) const {
+glm::dvec4 World::texture_at(uint32_t index, const glm::dvec4& uv) const {
   if (index == INVALID_INDEX) return glm::dvec4(1);
-  return scene::sample_texture(scene_, scene_.textures[index], glm::vec2(uv));
+  return scene::sample_texture(scene_, scene_.textures[index], uv);
 }
 
 Bsdf World::bsdf_at(const Surface& surface) const {
@@ -168,8 +168,9 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   p.coat_alpha = dvec2(coat_roughness > 0 ? std::max(coat_roughness * coat_roughness, MIN_ALPHA) : 0.0);
   p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
-  p.specular = material.specular;
-  p.specular_color = material.specular_color;
+  p.specular = material.specular * texture_at(material.specular_texture, surface.uv).a;
+  p.specular_color =
+      dvec3(material.specular_color) * dvec3(texture_at(material.specular_color_texture, surface.uv));
   p.is_volume = (material.flags & MATERIAL_VOLUME) != 0;
   p.ndf = ndf_;
   p.shadowing = shadowing_;

@@ -16,8 +16,8 @@ struct Surface {
   glm::dvec3 position{0};
   glm::dvec3 geometric_normal{0};
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
-  glm::dvec2 uv{0};
-  glm::dvec4 color{1};  ///< vertex colour
+  glm::dvec4 uv{0};              ///< see scene::texture_coordinates
+  glm::dvec4 color{1};           ///< vertex colour
   /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
   /// Zero if the material is isotropic.
   glm::dvec3 tangent{0};
@@ -84,7 +84,7 @@ class World {
                            const glm::dvec3& normal) const;
   /// Fills what concerns anisotropy, with the shading normal known.
   void set_anisotropy(Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b) const;
-  glm::dvec4 texture_at(uint32_t index, const glm::dvec2& uv) const;
+  glm::dvec4 texture_at(uint32_t index, const glm::dvec4& uv) const;
 
   const scene::Scene& scene_;
   Traversal traversal_;

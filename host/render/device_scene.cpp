@@ -23,6 +23,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
       vertex_colors_(gpu::upload_new(device, scene.vertex_colors, "vertex colours")),
+      vertex_uvs_(gpu::upload_new(device, scene.vertex_uvs, "second texture coordinates")),
       vertex_tangents_(gpu::upload_new(device, scene.vertex_tangents, "vertex tangents")),
       triangles_(gpu::upload_new(device, scene.triangles, "triangles")),
       materials_(gpu::upload_new(device, scene.materials, "materials")),
@@ -48,6 +49,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.bvh_triangles = address(bvh_triangles_);
   frame.vertices = address(vertices_);
   frame.vertex_colors = address(vertex_colors_);
+  frame.vertex_uvs = address(vertex_uvs_);
   frame.vertex_tangents = address(vertex_tangents_);
   frame.triangles = address(triangles_);
   frame.materials = address(materials_);

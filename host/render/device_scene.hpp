@@ -24,9 +24,9 @@ class DeviceScene {
   bool has_environment() const { return environment_.selection_pdf > 0; }
 
  private:
-  gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_tangents_, triangles_, materials_,
-      textures_, texels_, lights_, light_aliases_, light_pairs_, light_trails_, environment_texels_,
-      environment_cdf_, energy_tables_;
+  gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_uvs_, vertex_tangents_,
+      triangles_, materials_, textures_, texels_, lights_, light_aliases_, light_pairs_, light_trails_,
+      environment_texels_, environment_cdf_, energy_tables_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
   uint32_t light_count_;

@@ -80,6 +80,8 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
         material.anisotropy_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
+  if (material.specular_texture != INVALID_INDEX || material.specular_color_texture != INVALID_INDEX)
+    bits |= interface::FEATURE_SPECULAR_TEXTURES | interface::FEATURE_TEXTURES;
   if (material.normal_texture != INVALID_INDEX)
     bits |= interface::FEATURE_NORMAL_MAPS | interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_TEXTURES;
   if ((material.flags & (interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND)) != 0)
@@ -129,6 +131,10 @@ std::span<const FeatureDescription> feature_descriptions() {
   using namespace interface;
   static constexpr std::array DESCRIPTIONS = {
       FeatureDescription{FEATURE_TEXTURES, "textures", "texture look-ups of materials and emitters"},
+      FeatureDescription{FEATURE_TEXTURE_MAPPINGS, "texture_mappings",
+                         "coordinates that differ between textures"},
+      FeatureDescription{FEATURE_SECOND_UVS, "second_uvs", "a second set of texture coordinates"},
+      FeatureDescription{FEATURE_SPECULAR_TEXTURES, "specular_textures", "textures of specular reflection"},
       FeatureDescription{FEATURE_TRIANGLE_LIGHTS, "triangle_lights",
                          "emission at hits and its weight, sampling of emissive triangles"},
       FeatureDescription{FEATURE_POINT_LIGHTS, "point_lights", "sampling of point and spot lights"},
@@ -162,6 +168,11 @@ Features find_features(const Scene& scene) {
   }
   if (has_smooth_normals) features.bits |= interface::FEATURE_SMOOTH_NORMALS;
   if (!scene.vertex_colors.empty()) features.bits |= interface::FEATURE_VERTEX_COLORS;
+  for (const interface::Texture& texture : scene.textures) {
+    if ((texture.flags & interface::TEXTURE_MAPPED) != 0)
+      features.bits |= interface::FEATURE_TEXTURE_MAPPINGS;
+    if ((texture.flags & interface::TEXTURE_SECOND_UVS) != 0) features.bits |= interface::FEATURE_SECOND_UVS;
+  }
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     if (!is_used[i]) continue;
     features.bits |= material_features(scene, scene.materials[i]);

@@ -125,12 +125,12 @@ glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::
   return normal / std::sqrt(length_squared);
 }
 
-UvMapping mapping_of(Document& document, const Instance& instance) {
+MaterialUvs uvs_of(Document& document, const Instance& instance) {
   const int material = primitive_of(document, instance).material;
   if (material < 0) return {};
   const auto index = static_cast<size_t>(material);
   const tinygltf::Material& source = document.model.materials[index];
-  return uv_mapping(document, source, element_name("material", index, source.name));
+  return material_uvs(document, source, element_name("material", index, source.name));
 }
 
 /// TANGENT, if the material needs it; without normals the specification says to ignore it.
@@ -152,9 +152,9 @@ class PrimitiveBuilder {
         tally_(tally),
         positions_(*attribute(document, instance, "POSITION", TINYGLTF_TYPE_VEC3)),
         normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
-        uv_mapping_(mapping_of(document, instance)),
-        uvs_(attribute(document, instance, fmt::format("TEXCOORD_{}", uv_mapping_.set).c_str(),
-                       TINYGLTF_TYPE_VEC2)),
+        material_uvs_(uvs_of(document, instance)),
+        uvs_(uv_attribute(material_uvs_.first.set)),
+        second_uvs_(material_uvs_.second_set ? uv_attribute(*material_uvs_.second_set) : std::nullopt),
         colors_(color_attribute(document, instance)),
         tangents_(tangent_attribute(document, instance)),
         triangles_(document, instance, positions_.count()) {
@@ -176,11 +176,11 @@ class PrimitiveBuilder {
   void build() {
     require_same_count(normals_);
     require_same_count(uvs_);
+    require_same_count(second_uvs_);
     require_same_count(colors_);
     require_same_count(tangents_);
-    if (!uvs_ && uv_mapping_.set != 0)
-      document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
-                                 instance_name(document_, instance_), uv_mapping_.set));
+    if (!uvs_ && material_uvs_.first.set != 0) warn_of_missing(material_uvs_.first.set);
+    if (!second_uvs_ && material_uvs_.second_set) warn_of_missing(*material_uvs_.second_set);
     if (triangles_.leftover() != 0)
       document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
                                  instance_name(document_, instance_), triangles_.leftover()));
@@ -192,10 +192,25 @@ class PrimitiveBuilder {
     } else {
       add_flat_triangles();
     }
-    if (needs_tangents_ && !tangents_) add_tangents(scene_, first_vertex, first_triangle);
+    if (needs_tangents_ && !tangents_) add_tangents_of_image(first_vertex, first_triangle);
   }
 
  private:
+  std::optional<AccessorReader> uv_attribute(int set) const {
+    return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set).c_str(), TINYGLTF_TYPE_VEC2);
+  }
+
+  void warn_of_missing(int set) {
+    document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
+                               instance_name(document_, instance_), set));
+  }
+
+  /// Tangents follow the coordinates of the normal texture.
+  void add_tangents_of_image(size_t first_vertex, size_t first_triangle) {
+    const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
+    add_tangents(scene_, first_vertex, first_triangle, placement);
+  }
+
   void require_same_count(const std::optional<AccessorReader>& reader) const {
     if (reader && reader->count() != positions_.count())
       document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
@@ -215,9 +230,9 @@ class PrimitiveBuilder {
     return world;
   }
 
-  glm::vec2 uv(uint64_t i) {
-    if (!uvs_) return glm::vec2(0);
-    const glm::vec2 value = uv_mapping_.apply(uvs_->vec2_at(i));
+  glm::vec2 uv(const std::optional<AccessorReader>& reader, const UvMapping& mapping, uint64_t i) {
+    if (!reader) return glm::vec2(0);
+    const glm::vec2 value = mapping.apply(reader->vec2_at(i));
     if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
     ++tally_.bad_uvs;
     return glm::vec2(0);
@@ -234,7 +249,11 @@ class PrimitiveBuilder {
 
   /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
   void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
-    scene_.vertices.push_back({world_position, world_normal, uv(source)});
+    scene_.vertices.push_back({world_position, world_normal, uv(uvs_, material_uvs_.first, source)});
+    if (second_uvs_) {
+      scene_.vertex_uvs.resize(scene_.vertices.size() - 1, glm::vec2(0));
+      scene_.vertex_uvs.push_back(uv(second_uvs_, {}, source));
+    }
     if (colors_) {
       scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
       scene_.vertex_colors.push_back(color(source));
@@ -324,8 +343,8 @@ class PrimitiveBuilder {
   Tally& tally_;
   AccessorReader positions_;
   std::optional<AccessorReader> normals_;
-  UvMapping uv_mapping_;
-  std::optional<AccessorReader> uvs_;
+  MaterialUvs material_uvs_;
+  std::optional<AccessorReader> uvs_, second_uvs_;
   std::optional<AccessorReader> colors_;
   std::optional<AccessorReader> tangents_;
   TriangleList triangles_;
@@ -403,6 +422,7 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scen
   Tally tally;
   for (const Instance& instance : instances) PrimitiveBuilder(document, instance, scene, tally).build();
   complete_colors(scene);
+  if (!scene.vertex_uvs.empty()) scene.vertex_uvs.resize(scene.vertices.size(), glm::vec2(0));
   if (!scene.vertex_tangents.empty())
     scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
   if (tally.without_area != 0)

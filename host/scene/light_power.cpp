@@ -20,7 +20,7 @@ constexpr double MIN_SHARE_OF_BRIGHTEST = 1e-3;
 /// Average over the triangle at points of the R2 sequence (Roberts 2018), which no regular pattern aliases
 /// with.
 glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture,
-                           const glm::vec2 (&corner)[3]) {
+                           const interface::Triangle& triangle) {
   glm::dvec3 sum(0);
   for (int i = 0; i < SAMPLES; ++i) {
     double u = std::fmod(0.5 + 0.7548776662466927 * i, 1.0);
@@ -29,9 +29,8 @@ glm::dvec3 average_texture(const Scene& scene, const interface::Texture& texture
       u = 1 - u;
       v = 1 - v;
     }
-    const glm::dvec2 uv =
-        (1 - u - v) * glm::dvec2(corner[0]) + u * glm::dvec2(corner[1]) + v * glm::dvec2(corner[2]);
-    sum += glm::dvec3(sample_texture(scene, texture, glm::vec2(uv)));
+    sum +=
+        glm::dvec3(sample_texture(scene, texture, texture_coordinates(scene, triangle, {1 - u - v, u, v})));
   }
   return sum / static_cast<double>(SAMPLES);
 }
@@ -116,15 +115,15 @@ double TrianglePower::operator()(const interface::Triangle& triangle, double are
   const glm::dvec3 factor(material.emission);
   double radiance = luminance(factor);
   if (material.emissive_texture != interface::INVALID_INDEX) {
-    const glm::vec2 uv[3] = {scene_.vertices[triangle.v0].uv, scene_.vertices[triangle.v1].uv,
-                             scene_.vertices[triangle.v2].uv};
+    const interface::Texture& texture = scene_.textures[material.emissive_texture];
+    glm::vec2 uv[3];
+    for (int i = 0; i < 3; ++i)
+      uv[i] = image_coordinates(texture, texture_coordinates(scene_, triangle, {i == 0, i == 1, i == 2}));
     const glm::dvec3 largest(brightest(material.emissive_texture, glm::min(uv[0], glm::min(uv[1], uv[2])),
                                        glm::max(uv[0], glm::max(uv[1], uv[2]))));
     radiance = MIN_SHARE_OF_BRIGHTEST * luminance(factor * largest);
     if (radiance > 0)
-      radiance = std::max(
-          radiance,
-          luminance(factor * average_texture(scene_, scene_.textures[material.emissive_texture], uv)));
+      radiance = std::max(radiance, luminance(factor * average_texture(scene_, texture, triangle)));
   }
   const double sides = (material.flags & interface::MATERIAL_DOUBLE_SIDED) != 0 ? 2 : 1;
   return PI * area * radiance * sides;

@@ -7,9 +7,11 @@
 #include <cmath>
 #include <glm/gtc/packing.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "scene/texture.hpp"
+#include "scene/uv_mapping.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -92,8 +94,8 @@ class MaterialBuilder {
     const glm::dvec3 tint = color(specular, "specularColorFactor");
     for (int i = 0; i < 3; ++i)
       material.specular_color[i] = in_range(tint[i], 0, FLT_MAX, "specularColorFactor");
-    for (const char* texture : {"specularTexture", "specularColorTexture"})
-      if (specular != nullptr && specular->Has(texture)) ignored(texture);
+    material.specular_texture = INVALID_INDEX;
+    material.specular_color_texture = INVALID_INDEX;
   }
 
   void set_transmission(interface::Material& material) {
@@ -187,47 +189,54 @@ class MaterialBuilder {
 /// Attaches the textures of one material.
 class TextureSlots {
  public:
-  TextureSlots(TextureLoader& loader, const tinygltf::Material& source) : loader_(loader), source_(source) {}
+  TextureSlots(TextureLoader& loader, const tinygltf::Material& source, MaterialUvs uvs)
+      : loader_(loader), source_(source), uvs_(std::move(uvs)) {}
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
-    if ((material.flags & ALPHA_FLAGS) != 0)
-      material.alpha_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
+    const TextureUse base_color = texture_use(pbr.baseColorTexture);
+    if ((material.flags & ALPHA_FLAGS) != 0) material.alpha_texture = load(base_color, TextureContent::Color);
     if (is_unlit(source_)) {
       if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
-        material.emissive_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
+        material.emissive_texture = load(base_color, TextureContent::Color);
       return;
     }
-    material.base_color_texture = load(pbr.baseColorTexture.index, TextureContent::Color);
-    material.metallic_roughness_texture = load(pbr.metallicRoughnessTexture.index, TextureContent::Data);
-    material.normal_texture = load(source_.normalTexture.index, TextureContent::Data);
+    material.base_color_texture = load(base_color, TextureContent::Color);
+    material.metallic_roughness_texture =
+        load(texture_use(pbr.metallicRoughnessTexture), TextureContent::Data);
+    material.normal_texture = load(texture_use(source_.normalTexture), TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
-      material.emissive_texture = load(source_.emissiveTexture.index, TextureContent::Color);
-    if (material.transmission > 0)
-      material.transmission_texture = load_of("KHR_materials_transmission", "transmissionTexture");
-    if (material.clearcoat > 0) {
-      material.clearcoat_texture = load_of("KHR_materials_clearcoat", "clearcoatTexture");
-      material.clearcoat_roughness_texture = load_of("KHR_materials_clearcoat", "clearcoatRoughnessTexture");
-    }
-    if (material.anisotropy > 0)
-      material.anisotropy_texture = load_of("KHR_materials_anisotropy", "anisotropyTexture");
+      material.emissive_texture = load(texture_use(source_.emissiveTexture), TextureContent::Color);
+    attach_of_extensions(material);
   }
 
  private:
-  /// A texture of data that an extension of the material holds, if it does.
-  uint32_t load_of(const char* extension, const char* member) {
-    const auto found = source_.extensions.find(extension);
-    if (found == source_.extensions.end() || !found->second.Has(member)) return INVALID_INDEX;
-    const Value& info = found->second.Get(member);
-    return load(info.Has("index") ? info.Get("index").GetNumberAsInt() : -1, TextureContent::Data);
+  void attach_of_extensions(interface::Material& material) {
+    const auto data = [&](const char* extension, const char* member) {
+      return load(texture_use(source_, extension, member), TextureContent::Data);
+    };
+    if (material.specular > 0) {
+      material.specular_texture = data("KHR_materials_specular", "specularTexture");
+      material.specular_color_texture =
+          load(texture_use(source_, "KHR_materials_specular", "specularColorTexture"), TextureContent::Color);
+    }
+    if (material.transmission > 0)
+      material.transmission_texture = data("KHR_materials_transmission", "transmissionTexture");
+    if (material.clearcoat > 0) {
+      material.clearcoat_texture = data("KHR_materials_clearcoat", "clearcoatTexture");
+      material.clearcoat_roughness_texture = data("KHR_materials_clearcoat", "clearcoatRoughnessTexture");
+    }
+    if (material.anisotropy > 0)
+      material.anisotropy_texture = data("KHR_materials_anisotropy", "anisotropyTexture");
   }
 
-  uint32_t load(int texture, TextureContent content) {
-    return texture < 0 ? INVALID_INDEX : loader_.load(texture, content);
+  uint32_t load(const TextureUse& use, TextureContent content) {
+    return use.texture < 0 ? INVALID_INDEX : loader_.load(use.texture, content, uvs_.placement(use.mapping));
   }
 
   TextureLoader& loader_;
   const tinygltf::Material& source_;
+  MaterialUvs uvs_;
 };
 
 /// Least alpha of a texture's texels.
@@ -279,7 +288,8 @@ void add_materials(Document& document, Scene& scene) {
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();
-    if (is_used[i]) TextureSlots(loader, sources[i]).attach(material);
+    if (is_used[i])
+      TextureSlots(loader, sources[i], material_uvs(document, sources[i], name)).attach(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);
   }

@@ -44,8 +44,9 @@ struct Inventory {
 struct Scene {
   std::filesystem::path path;
   std::vector<interface::Vertex> vertices;
-  std::vector<glm::vec4> vertex_colors;        ///< one per vertex, linear RGBA in [0, 1]; empty: all white
-  std::vector<glm::vec4> vertex_tangents;      ///< one per vertex, see Frame; empty: no material needs them
+  std::vector<glm::vec4> vertex_colors;    ///< one per vertex, linear RGBA in [0, 1]; empty: all white
+  std::vector<glm::vec2> vertex_uvs;       ///< one per vertex: second texture coordinates; empty: not needed
+  std::vector<glm::vec4> vertex_tangents;  ///< one per vertex, see Frame; empty: no material needs them
   std::vector<interface::Triangle> triangles;  ///< `light` is filled by build_lights
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;

@@ -127,6 +127,8 @@ const std::map<std::string_view, Rule>& rules() {
       {"emissiveTexture", {Kind::Object}},
       {"normalTexture", {Kind::Object}},
       {"transmissionTexture", {Kind::Object}},
+      {"specularTexture", {Kind::Object}},
+      {"specularColorTexture", {Kind::Object}},
       {"clearcoatTexture", {Kind::Object}},
       {"clearcoatRoughnessTexture", {Kind::Object}},
       {"anisotropyTexture", {Kind::Object}},

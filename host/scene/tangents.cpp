@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "scene/texture.hpp"
+
 namespace regulus::scene {
 namespace {
 
@@ -28,6 +30,7 @@ struct Facet {
   Orientation orientation = Orientation::Unknown;
 };
 
+// In these steps a vertex's uv are the coordinates of the image.
 struct VertexHash {
   size_t operator()(const interface::Vertex& v) const {
     size_t hash = 0;
@@ -65,10 +68,8 @@ struct SharedEdge {
   uint32_t edges[2];
 };
 
-void set_image_direction(const Scene& scene, Facet& facet) {
-  const interface::Vertex& a = scene.vertices[facet.vertices[0]];
-  const interface::Vertex& b = scene.vertices[facet.vertices[1]];
-  const interface::Vertex& c = scene.vertices[facet.vertices[2]];
+void set_image_direction(const std::array<interface::Vertex, 3>& corners, Facet& facet) {
+  const auto& [a, b, c] = corners;
   // Up in the image is -v.
   const dvec2 ab = (dvec2(b.uv) - dvec2(a.uv)) * dvec2(1, -1);
   const dvec2 ac = (dvec2(c.uv) - dvec2(a.uv)) * dvec2(1, -1);
@@ -82,17 +83,27 @@ void set_image_direction(const Scene& scene, Facet& facet) {
   facet.tangent = (area > 0 ? u : -u) / length;
 }
 
-std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle) {
+/// A vertex of the scene with the coordinates of the image.
+interface::Vertex placed_vertex(const Scene& scene, uint32_t index, const interface::Texture& placement) {
+  interface::Vertex vertex = scene.vertices[index];
+  const glm::dvec2 second(index < scene.vertex_uvs.size() ? scene.vertex_uvs[index] : glm::vec2(0));
+  vertex.uv = image_coordinates(placement, glm::dvec4(glm::dvec2(vertex.uv), second));
+  return vertex;
+}
+
+std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle,
+                               const interface::Texture& placement) {
   std::unordered_map<interface::Vertex, uint32_t, VertexHash, VertexEqual> numbers;
   std::vector<Facet> facets;
   for (size_t t = first_triangle; t < scene.triangles.size(); ++t) {
     const interface::Triangle& triangle = scene.triangles[t];
     Facet facet{{triangle.v0, triangle.v1, triangle.v2}, {}};
-    for (size_t i = 0; i < 3; ++i)
-      facet.welded[i] =
-          numbers.try_emplace(scene.vertices[facet.vertices[i]], static_cast<uint32_t>(numbers.size()))
-              .first->second;
-    set_image_direction(scene, facet);
+    std::array<interface::Vertex, 3> corners{};
+    for (size_t i = 0; i < 3; ++i) {
+      corners[i] = placed_vertex(scene, facet.vertices[i], placement);
+      facet.welded[i] = numbers.try_emplace(corners[i], static_cast<uint32_t>(numbers.size())).first->second;
+    }
+    set_image_direction(corners, facet);
     facets.push_back(facet);
   }
   return facets;
@@ -183,6 +194,10 @@ class TangentWriter {
       scene_.vertex_colors.resize(copy, glm::vec4(1));
       scene_.vertex_colors.emplace_back(glm::vec4(scene_.vertex_colors[vertex]));
     }
+    if (scene_.vertex_uvs.size() > vertex) {
+      scene_.vertex_uvs.resize(copy, glm::vec2(0));
+      scene_.vertex_uvs.emplace_back(glm::vec2(scene_.vertex_uvs[vertex]));
+    }
     copies.push_back(copy);
     return copy;
   }
@@ -201,9 +216,10 @@ glm::vec4 any_tangent(const glm::vec3& normal) {
   return {glm::normalize(axis - glm::dot(axis, normal) * normal), 1};
 }
 
-void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle) {
+void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle,
+                  const interface::Texture& placement) {
   scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
-  std::vector<Facet> facets = make_facets(scene, first_triangle);
+  std::vector<Facet> facets = make_facets(scene, first_triangle, placement);
   const std::vector<SharedEdge> shared = find_shared_edges(facets);
   adopt_orientations(facets, shared);
   CornerSets sets = join_corners(facets, shared);

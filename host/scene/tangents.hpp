@@ -13,8 +13,10 @@ namespace regulus::scene {
 /// share a tangent with those they are connected to by edges, unless the image is mirrored between them; a
 /// vertex whose corners then differ is split. The frame is that of glTF: bitangent = w cross(normal, tangent)
 /// points up in the image, against v. It is computed from world-space positions, which differs from baking
-/// only under transforms that are not similarities.
-void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle);
+/// only under transforms that are not similarities. The image is that of a texture placed so (see
+/// MaterialUvs).
+void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle,
+                  const interface::Texture& placement);
 
 /// Some unit vector orthogonal to a unit normal, with w = 1: the frame where texture coordinates give none.
 glm::vec4 any_tangent(const glm::vec3& normal);

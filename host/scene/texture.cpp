@@ -124,15 +124,19 @@ int64_t wrap(int64_t i, int64_t size, uint32_t mode) {
 
 }  // namespace
 
-uint32_t TextureLoader::load(int texture, TextureContent content) {
-  const auto [entry, is_new] = textures_.try_emplace({texture, content}, 0u);
+uint32_t TextureLoader::load(int texture, TextureContent content, const interface::Texture& placement) {
+  const glm::vec3 &u = placement.map_u, &v = placement.map_v;
+  const Key key(texture, content, placement.flags, {u.x, u.y, u.z, v.x, v.y, v.z});
+  const auto [entry, is_new] = textures_.try_emplace(key, 0u);
   if (!is_new) return entry->second;
   const tinygltf::Texture& source = document_.model.textures[static_cast<size_t>(texture)];
   const std::string element = element_name("texture", static_cast<size_t>(texture), source.name);
   const int image = image_of(source);
   if (image < 0) document_.fail(element + " has no PNG, JPEG or WebP image; convert its image");
   interface::Texture loaded = load_image(static_cast<size_t>(image), content, element);
-  loaded.flags = sampler_flags(document_, source.sampler);
+  loaded.flags = sampler_flags(document_, source.sampler) | placement.flags;
+  loaded.map_u = placement.map_u;
+  loaded.map_v = placement.map_v;
   entry->second = static_cast<uint32_t>(scene_.textures.size());
   scene_.textures.push_back(loaded);
   return entry->second;
@@ -171,9 +175,10 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
   else
     append_texels(static_cast<const uint8_t*>(pixels.get()), texels, content, scene_.texels);
 
-  const interface::Texture loaded {
-    static_cast<uint32_t>(first_texel), static_cast<uint32_t>(width), static_cast<uint32_t>(height), 0u
-  };
+  interface::Texture loaded {};
+  loaded.first_texel = static_cast<uint32_t>(first_texel);
+  loaded.width = static_cast<uint32_t>(width);
+  loaded.height = static_cast<uint32_t>(height);
   decoded_[{image, content}] = loaded;
   return loaded;
 }
@@ -196,9 +201,29 @@ glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x
   return {glm::unpackHalf2x16(scene.texels[word]), glm::unpackHalf2x16(scene.texels[word + 1])};
 }
 
-glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture, const glm::vec2& uv) {
+glm::dvec4 texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
+                               const glm::dvec3& weights) {
+  const uint32_t corners[3] = {triangle.v0, triangle.v1, triangle.v2};
+  glm::dvec4 sum(0);
+  for (int i = 0; i < 3; ++i) {
+    const glm::vec2 second = scene.vertex_uvs.empty() ? glm::vec2(0) : scene.vertex_uvs[corners[i]];
+    sum += weights[i] * glm::dvec4(glm::dvec2(scene.vertices[corners[i]].uv), glm::dvec2(second));
+  }
+  return sum;
+}
+
+glm::dvec2 image_coordinates(const interface::Texture& texture, const glm::dvec4& coordinates) {
+  const bool is_second = (texture.flags & interface::TEXTURE_SECOND_UVS) != 0;
+  const glm::dvec2 uv = is_second ? glm::dvec2(coordinates.z, coordinates.w) : glm::dvec2(coordinates);
+  if ((texture.flags & interface::TEXTURE_MAPPED) == 0) return uv;
+  return {glm::dot(glm::dvec3(texture.map_u), glm::dvec3(uv, 1)),
+          glm::dot(glm::dvec3(texture.map_v), glm::dvec3(uv, 1))};
+}
+
+glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture,
+                         const glm::dvec4& coordinates) {
   // Coordinates beyond this have no fraction left in single precision.
-  const glm::dvec2 bounded = glm::clamp(glm::dvec2(uv), -1e7, 1e7);
+  const glm::dvec2 bounded = glm::clamp(image_coordinates(texture, coordinates), -1e7, 1e7);
   const glm::dvec2 position = bounded * glm::dvec2(texture.width, texture.height);
   if ((texture.flags & interface::TEXTURE_NEAREST) != 0)
     return texel(scene, texture, static_cast<int64_t>(std::floor(position.x)),

@@ -1,9 +1,11 @@
 // Images to texels, and their evaluation on the host.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "scene/document.hpp"
@@ -19,8 +21,10 @@ class TextureLoader {
  public:
   TextureLoader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
 
-  /// Index into Scene::textures for a glTF texture. @throws Error if its image cannot be read.
-  uint32_t load(int texture, TextureContent content);
+  /// Index into Scene::textures for a glTF texture that finds its coordinates so (see
+  /// MaterialUvs::placement).
+  /// @throws Error if its image cannot be read.
+  uint32_t load(int texture, TextureContent content, const interface::Texture& placement);
 
  private:
   interface::Texture load_image(size_t image, TextureContent content, const std::string& element);
@@ -28,14 +32,26 @@ class TextureLoader {
 
   Document& document_;
   Scene& scene_;
-  std::map<std::pair<int, TextureContent>, uint32_t> textures_;
+  /// Texture, content, flags and rows of its placement.
+  using Key = std::tuple<int, TextureContent, uint32_t, std::array<float, 6>>;
+  std::map<Key, uint32_t> textures_;
   std::map<std::pair<size_t, TextureContent>, interface::Texture> decoded_;
 };
 
 /// Texel (x, y) as linear RGBA; the coordinates are wrapped by the texture's own modes first.
 glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x, int64_t y);
 
-/// The texture at uv (glTF: (0, 0) is the top left corner), bilinear or nearest as its flags say.
-glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture, const glm::vec2& uv);
+/// Both texture coordinates between the vertices of a triangle, .zw the second set (0 if the scene has none).
+/// The weights of its vertices sum to 1.
+glm::dvec4 texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
+                               const glm::dvec3& weights);
+
+/// Where a texture is looked up (glTF: (0, 0) is the top left corner of the image) at a point with these
+/// coordinates.
+glm::dvec2 image_coordinates(const interface::Texture& texture, const glm::dvec4& coordinates);
+
+/// The texture at a point with these coordinates, bilinear or nearest as its flags say.
+glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture,
+                         const glm::dvec4& coordinates);
 
 }  // namespace regulus::scene

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -30,56 +31,102 @@ UvMapping mapping_of(int set, const Value* transform) {
   return mapping;
 }
 
-/// A texture of the core material.
 template <typename TextureInfo>
-void add(std::vector<UvMapping>& mappings, const TextureInfo& info) {
-  if (info.index < 0) return;
+TextureUse use_of(const TextureInfo& info) {
+  if (info.index < 0) return {};
   const auto transform = info.extensions.find(EXTENSION);
-  mappings.push_back(
-      mapping_of(info.texCoord, transform != info.extensions.end() ? &transform->second : nullptr));
+  return {info.index,
+          mapping_of(info.texCoord, transform != info.extensions.end() ? &transform->second : nullptr)};
 }
 
-/// A texture of a material extension.
-void add_extended(std::vector<UvMapping>& mappings, const Value& info) {
-  if (!info.Has("index")) return;
-  const Value* transform = nullptr;
-  if (info.Has("extensions") && info.Get("extensions").Has(EXTENSION))
-    transform = &info.Get("extensions").Get(EXTENSION);
-  mappings.push_back(mapping_of(info.Has("texCoord") ? info.Get("texCoord").GetNumberAsInt() : 0, transform));
+bool is_plain(const UvMapping& mapping) {
+  return mapping == UvMapping{mapping.set};
+}
+
+/// The mappings of all textures that are read.
+std::vector<UvMapping> mappings_of(const tinygltf::Material& material) {
+  std::vector<TextureUse> uses = {texture_use(material.pbrMetallicRoughness.baseColorTexture)};
+  // An unlit material shows nothing else.
+  if (material.extensions.count("KHR_materials_unlit") == 0) {
+    uses.push_back(texture_use(material.pbrMetallicRoughness.metallicRoughnessTexture));
+    uses.push_back(texture_use(material.emissiveTexture));
+    uses.push_back(texture_use(material.normalTexture));
+    for (const auto& [extension, texture] :
+         {std::pair<const char*, const char*>{"KHR_materials_transmission", "transmissionTexture"},
+          {"KHR_materials_specular", "specularTexture"},
+          {"KHR_materials_specular", "specularColorTexture"},
+          {"KHR_materials_clearcoat", "clearcoatTexture"},
+          {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
+          {"KHR_materials_anisotropy", "anisotropyTexture"}})
+      uses.push_back(texture_use(material, extension, texture));
+  }
+  std::vector<UvMapping> mappings;
+  for (const TextureUse& use : uses)
+    if (use.texture >= 0) mappings.push_back(use.mapping);
+  return mappings;
 }
 
 }  // namespace
 
 glm::vec2 UvMapping::apply(const glm::vec2& uv) const {
-  if (*this == UvMapping{set, glm::dvec2(0), glm::dvec2(1), 0}) return uv;
+  if (is_plain(*this)) return uv;
   const glm::dvec2 scaled = scale * glm::dvec2(uv);
   const double c = std::cos(rotation), s = std::sin(rotation);
   return offset + glm::dvec2(c * scaled.x + s * scaled.y, c * scaled.y - s * scaled.x);
 }
 
-UvMapping uv_mapping(Document& document, const tinygltf::Material& material, const std::string& name) {
-  std::vector<UvMapping> mappings;
-  add(mappings, material.pbrMetallicRoughness.baseColorTexture);
-  if (material.extensions.count("KHR_materials_unlit") != 0)  // shows nothing else
-    return mappings.empty() ? UvMapping{} : mappings.front();
-  add(mappings, material.pbrMetallicRoughness.metallicRoughnessTexture);
-  add(mappings, material.emissiveTexture);
-  add(mappings, material.normalTexture);
-  for (const auto& [extension, texture] :
-       {std::pair<const char*, const char*>{"KHR_materials_transmission", "transmissionTexture"},
-        {"KHR_materials_clearcoat", "clearcoatTexture"},
-        {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
-        {"KHR_materials_anisotropy", "anisotropyTexture"}}) {
-    const auto found = material.extensions.find(extension);
-    if (found != material.extensions.end() && found->second.Has(texture))
-      add_extended(mappings, found->second.Get(texture));
+TextureUse texture_use(const tinygltf::TextureInfo& info) {
+  return use_of(info);
+}
+
+TextureUse texture_use(const tinygltf::NormalTextureInfo& info) {
+  return use_of(info);
+}
+
+TextureUse texture_use(const tinygltf::Material& material, const char* extension, const char* member) {
+  const auto found = material.extensions.find(extension);
+  if (found == material.extensions.end() || !found->second.Has(member)) return {};
+  const Value& info = found->second.Get(member);
+  if (!info.Has("index")) return {};
+  const Value* transform = nullptr;
+  if (info.Has("extensions") && info.Get("extensions").Has(EXTENSION))
+    transform = &info.Get("extensions").Get(EXTENSION);
+  return {info.Get("index").GetNumberAsInt(),
+          mapping_of(info.Has("texCoord") ? info.Get("texCoord").GetNumberAsInt() : 0, transform)};
+}
+
+interface::Texture MaterialUvs::placement(const UvMapping& mapping) const {
+  interface::Texture placed {};
+  placed.map_u = {1, 0, 0};
+  placed.map_v = {0, 1, 0};
+  if (mapping == first) return placed;
+  if (second_set == mapping.set) placed.flags |= interface::TEXTURE_SECOND_UVS;
+  if (is_plain(mapping)) return placed;
+  placed.flags |= interface::TEXTURE_MAPPED;
+  const double c = std::cos(mapping.rotation), s = std::sin(mapping.rotation);
+  placed.map_u = {c * mapping.scale.x, s * mapping.scale.y, mapping.offset.x};
+  placed.map_v = {-s * mapping.scale.x, c * mapping.scale.y, mapping.offset.y};
+  return placed;
+}
+
+MaterialUvs material_uvs(Document& document, const tinygltf::Material& material, const std::string& name) {
+  const std::vector<UvMapping> mappings = mappings_of(material);
+  MaterialUvs uvs;
+  uvs.of_normals = texture_use(material.normalTexture).mapping;
+  if (mappings.empty()) return uvs;
+  uvs.first = mappings.front();
+  if (std::ranges::all_of(mappings, [&](const UvMapping& mapping) { return mapping == uvs.first; }))
+    return uvs;
+  uvs.first = UvMapping{mappings.front().set};
+  for (const UvMapping& mapping : mappings) {
+    if (mapping.set == uvs.first.set || mapping.set == uvs.second_set) continue;
+    if (uvs.second_set)
+      document.warn(fmt::format(
+          "{}: its textures use more than two sets of coordinates; those of a third use the first", name));
+    else
+      uvs.second_set = mapping.set;
   }
-  if (mappings.empty()) return {};
-  for (const UvMapping& mapping : mappings)
-    if (mapping != mappings.front())
-      document.warn(
-          fmt::format("{}: its textures have different coordinates; those of the first are used", name));
-  return mappings.front();
+  return uvs;
 }
 
 }  // namespace regulus::scene

@@ -1,10 +1,11 @@
-// Which texture coordinates a material's textures use: the set and KHR_texture_transform. They are applied to
-// the vertices once, so kernels know one set of final coordinates.
+// Where a material's textures look their images up: texture coordinate sets and KHR_texture_transform.
 #pragma once
 
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 
+#include "interface/scene.h"
 #include "scene/document.hpp"
 
 namespace regulus::scene {
@@ -21,8 +22,34 @@ struct UvMapping {
   glm::vec2 apply(const glm::vec2& uv) const;
 };
 
-/// The mapping of a material's textures (those that are read). Where they differ, the first one's is used for
-/// all, with a warning that names the material.
-UvMapping uv_mapping(Document& document, const tinygltf::Material& material, const std::string& name);
+/// A texture as a material names it.
+struct TextureUse {
+  int texture = -1;  ///< index in the file; -1: none
+  UvMapping mapping{};
+};
+
+/// A texture of the core material.
+TextureUse texture_use(const tinygltf::TextureInfo& info);
+TextureUse texture_use(const tinygltf::NormalTextureInfo& info);
+
+/// A texture `member` of a material's extension.
+TextureUse texture_use(const tinygltf::Material& material, const char* extension, const char* member);
+
+/// What a material's vertices carry. Where all its textures agree, their mapping is applied to the vertices,
+/// so that kernels look images up at what they interpolate; else vertices carry the sets as they are, and
+/// each texture maps them.
+struct MaterialUvs {
+  UvMapping first;                ///< applied to the vertices' first coordinates
+  std::optional<int> second_set;  ///< TEXCOORD_n of their second coordinates
+  UvMapping of_normals;           ///< of the normal texture, relative to the sets of the file
+
+  /// How a texture finds its coordinates from the vertices': the flags and rows of interface::Texture, the
+  /// rest 0.
+  interface::Texture placement(const UvMapping& mapping) const;
+};
+
+/// Of the textures that are read. More than two sets are beyond vertices: textures of a third use the first,
+/// with a warning that names the material.
+MaterialUvs material_uvs(Document& document, const tinygltf::Material& material, const std::string& name);
 
 }  // namespace regulus::scene

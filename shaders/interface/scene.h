@@ -61,6 +61,8 @@ struct Material {
   vec3 absorption;         // sigma_a, 1/m: -ln(attenuationColor) / attenuationDistance
   uint base_color_texture;
   uint metallic_roughness_texture;  // G: roughness, B: metallic
+  uint specular_texture;            // A
+  uint specular_color_texture;      // RGB
   uint emissive_texture;
   uint transmission_texture;        // R
   uint normal_texture;              // RGB: 2 texel - 1 along tangent, bitangent and normal
@@ -76,14 +78,16 @@ struct Material {
   vec2 anisotropy_direction;        // unit, in the tangent frame: where the roughness is stretched to
   uint anisotropy_texture;          // RG: 2 texel - 1, a direction turned with anisotropy_direction; B: strength
 };
-REGULUS_LAYOUT(Material, 144);
+REGULUS_LAYOUT(Material, 152);
 
-// Wrap modes (glTF sampler) and filters, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
+// Wrap modes (glTF sampler), filters and coordinates, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;
 REGULUS_CONSTANT TEXTURE_WRAP_CLAMP = 1u;
 REGULUS_CONSTANT TEXTURE_WRAP_MIRROR = 2u;
 REGULUS_CONSTANT TEXTURE_WRAP_T_SHIFT = 2u;
 REGULUS_CONSTANT TEXTURE_NEAREST = 16u;
+REGULUS_CONSTANT TEXTURE_MAPPED = 32u;      // map_u and map_v are not the identity
+REGULUS_CONSTANT TEXTURE_SECOND_UVS = 64u;  // reads the vertices' second coordinates
 
 // An image in the texel buffer: row-major from the top row, one RGBA texel in 2 words of half floats
 // (r | g << 16, b | a << 16), already linear. (Dynamic indexing of image arrays does not exist on stock
@@ -92,8 +96,9 @@ struct Texture {
   uint first_texel;
   uint width, height;
   uint flags;
+  vec3 map_u, map_v;  // the image is looked up at (dot(map_u, (u, v, 1)), dot(map_v, (u, v, 1)))
 };
-REGULUS_LAYOUT(Texture, 16);
+REGULUS_LAYOUT(Texture, 40);
 
 // Light kinds.
 REGULUS_CONSTANT LIGHT_TRIANGLE = 0u;

@@ -89,6 +89,9 @@ REGULUS_CONSTANT FEATURE_ENVIRONMENT_MAP = 2048u;  // that differs between them
 REGULUS_CONSTANT FEATURE_ALPHA = 1u << 18;          // some surface is masked or blended
 REGULUS_CONSTANT FEATURE_CLEARCOAT = 1u << 19;      // some material has a clearcoat
 REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotropic
+REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;  // some texture is TEXTURE_MAPPED
+REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
+REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;        // some texture reads the vertices' second coordinates
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -258,6 +261,7 @@ struct Frame {
   DeviceAddress bvh_triangles;
   DeviceAddress vertices;
   DeviceAddress vertex_colors;   // vec4 per vertex, linear RGBA; only with FEATURE_VERTEX_COLORS
+  DeviceAddress vertex_uvs;      // vec2 per vertex: second texture coordinates; only with FEATURE_SECOND_UVS
   DeviceAddress vertex_tangents; // vec4 per vertex: unit tangent, sign of the bitangent; only if a material needs them
   DeviceAddress triangles;
   DeviceAddress materials;
@@ -335,7 +339,7 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint reserved;
 };
-REGULUS_LAYOUT(Frame, 624);
+REGULUS_LAYOUT(Frame, 632);
 
 // Push constants of every stage.
 struct StageArguments {

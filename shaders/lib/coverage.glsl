@@ -13,9 +13,9 @@ float coverage_at(Frame frame, Triangle triangle, vec2 barycentrics) {
   if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u) return 1.0;
   float alpha = material.alpha * vertex_color(frame, triangle, barycentrics).a;
   if ((spec_features & FEATURE_TEXTURES) != 0u && material.alpha_texture != INVALID_INDEX) {
-    vec2 uv = (1.0 - barycentrics.x - barycentrics.y) * LOAD(VertexBuffer, frame.vertices, triangle.v0).uv +
-              barycentrics.x * LOAD(VertexBuffer, frame.vertices, triangle.v1).uv +
-              barycentrics.y * LOAD(VertexBuffer, frame.vertices, triangle.v2).uv;
+    vec4 uv = texture_coordinates(frame, triangle, LOAD(VertexBuffer, frame.vertices, triangle.v0).uv,
+                                  LOAD(VertexBuffer, frame.vertices, triangle.v1).uv,
+                                  LOAD(VertexBuffer, frame.vertices, triangle.v2).uv, barycentrics);
     alpha *= sample_texture(frame.textures, frame.texels, material.alpha_texture, uv).a;
   }
   if ((material.flags & MATERIAL_ALPHA_MASK) != 0u) return alpha >= material.alpha_cutoff ? 1.0 : 0.0;

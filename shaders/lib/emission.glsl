@@ -29,7 +29,7 @@ Emission emit_from_triangle(Frame frame, Light light, vec2 u_position, vec2 u_di
   Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
   Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
   Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
-  vec2 uv = (1.0 - barycentrics.x - barycentrics.y) * v0.uv + barycentrics.x * v1.uv + barycentrics.y * v2.uv;
+  vec4 uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);
   Material material = LOAD(MaterialBuffer, frame.materials, light.material);
 
   Emission emission;

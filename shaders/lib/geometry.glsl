@@ -72,13 +72,25 @@ vec4 vertex_color(Frame frame, Triangle triangle, vec2 barycentrics) {
          barycentrics.y * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v2);
 }
 
+// Both texture coordinates between the vertices of a triangle: TEXCOORD sets as the textures read them, .zw the second, 0 if
+// the scene has none.
+vec4 texture_coordinates(Frame frame, Triangle triangle, vec2 uv0, vec2 uv1, vec2 uv2, vec2 barycentrics) {
+  float b0 = 1.0 - barycentrics.x - barycentrics.y;
+  vec4 uv = vec4(b0 * uv0 + barycentrics.x * uv1 + barycentrics.y * uv2, 0.0, 0.0);
+  if ((spec_features & FEATURE_SECOND_UVS) != 0u)
+    uv.zw = b0 * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v0) +
+            barycentrics.x * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v1) +
+            barycentrics.y * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v2);
+  return uv;
+}
+
 // Everything shading needs of a hit.
 struct Surface {
   vec3 position;
   float clearance;        // see SurfacePoint
   vec3 geometric_normal;  // unit, front side
   vec3 shading_normal;    // unit, in the hemisphere of geometric_normal
-  vec2 uv;
+  vec4 uv;                // see texture_coordinates
   vec4 color;             // vertex colour
   uint material;
   uint light;
@@ -107,7 +119,7 @@ Surface surface_at(Frame frame, uint triangle_index, vec2 barycentrics) {
       surface.shading_normal = dot(normal, point.normal) < 0.0 ? -normal : normal;
     }
   }
-  surface.uv = b0 * v0.uv + barycentrics.x * v1.uv + barycentrics.y * v2.uv;
+  surface.uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);
   surface.color = vertex_color(frame, triangle, barycentrics);
   surface.material = triangle.material;
   surface.light = triangle.light;

@@ -22,11 +22,21 @@ vec4 load_texel(DeviceAddress texels, Texture image, ivec2 texel) {
   return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
 }
 
-// Linear RGBA of texture `index` at uv (glTF: (0, 0) is the top left corner of the image). White if the
-// index is INVALID_INDEX.
-vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, vec2 uv) {
+// Where a texture is looked up (glTF: (0, 0) is the top left corner of the image) at a point with these coordinates.
+vec2 image_coordinates(Texture image, vec4 uv) {
+  vec2 own = uv.xy;
+  if ((spec_features & FEATURE_SECOND_UVS) != 0u && (image.flags & TEXTURE_SECOND_UVS) != 0u) own = uv.zw;
+  if ((spec_features & FEATURE_TEXTURE_MAPPINGS) != 0u && (image.flags & TEXTURE_MAPPED) != 0u)
+    own = vec2(dot(image.map_u, vec3(own, 1.0)), dot(image.map_v, vec3(own, 1.0)));
+  return own;
+}
+
+// Linear RGBA of texture `index` at a point with these coordinates (see texture_coordinates). White if the index is
+// INVALID_INDEX.
+vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, vec4 coordinates) {
   if (index == INVALID_INDEX) return vec4(1.0);
   Texture image = LOAD(TextureBuffer, textures, index);
+  vec2 uv = image_coordinates(image, coordinates);
   // Far outside, float coordinates lose the texel: bring repeating ones near 0 first.
   vec2 near_uv = uv - 2.0 * floor(0.5 * uv);
   bvec2 clamps = bvec2((image.flags & 3u) == TEXTURE_WRAP_CLAMP,
@@ -42,7 +52,7 @@ vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, ve
 }
 
 // Multiplies the factors of a material by the vertex colour and by their textures at uv.
-void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, vec4 color, inout Material material) {
+void apply_textures(DeviceAddress textures, DeviceAddress texels, vec4 uv, vec4 color, inout Material material) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u) material.base_color *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return;
   material.base_color *= sample_texture(textures, texels, material.base_color_texture, uv).rgb;
@@ -50,6 +60,10 @@ void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, vec4 
   vec4 metallic_roughness = sample_texture(textures, texels, material.metallic_roughness_texture, uv);
   material.roughness *= metallic_roughness.g;
   material.metallic *= metallic_roughness.b;
+  if ((spec_features & FEATURE_SPECULAR_TEXTURES) != 0u) {
+    material.specular *= sample_texture(textures, texels, material.specular_texture, uv).a;
+    material.specular_color *= sample_texture(textures, texels, material.specular_color_texture, uv).rgb;
+  }
   if ((spec_features & FEATURE_CLEARCOAT) != 0u) {
     material.clearcoat *= sample_texture(textures, texels, material.clearcoat_texture, uv).r;
     material.clearcoat_roughness *= sample_texture(textures, texels, material.clearcoat_roughness_texture, uv).g;
@@ -60,7 +74,7 @@ void apply_textures(DeviceAddress textures, DeviceAddress texels, vec2 uv, vec4 
 
 // Radiance a material emits at uv, with its emission factor (or the one of the light that stands for it) and the
 // vertex colour there.
-vec3 emitted_radiance(Frame frame, Material material, vec3 factor, vec2 uv, vec4 color) {
+vec3 emitted_radiance(Frame frame, Material material, vec3 factor, vec4 uv, vec4 color) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u && (material.flags & MATERIAL_UNLIT) != 0u) factor *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return factor;
   return factor * sample_texture(frame.textures, frame.texels, material.emissive_texture, uv).rgb;

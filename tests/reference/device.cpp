@@ -126,6 +126,18 @@ TEST(DeviceStagesEnvironment, AgreeWithTheReference) {
   expect_agreement(checked);
 }
 
+// Textures with coordinates of their own, and textures of specular reflection.
+TEST(DeviceStagesTextures, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  for (const char* file : {"blender-io/20_specular/20_specular.gltf",
+                           "tinygltf/models/Cube-texture-ext/Cube-textransform.gltf"}) {
+    const std::filesystem::path scene = assets() / "gltf" / file;
+    if (!std::filesystem::exists(scene)) GTEST_SKIP() << "no " << scene;
+    Checked checked(prepare(scene));
+    expect_agreement(checked);
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,
                          testing::Values("cornell/cornell.gltf", "plates/plates.gltf",
                                          "furnace/furnace-point.gltf", "smallvcm/smallvcm-background.gltf",

@@ -63,6 +63,22 @@ TEST(SceneMaterial, FactorsAreRead) {
   EXPECT_EQ(material.flags, interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_EMISSIVE);
 }
 
+TEST(SceneMaterial, SpecularReflectionIsTextured) {
+  Gltf file;
+  const json image = {{"index", file.texture(make_png(1, 1, 4, 8, {255, 0, 51, 128}))}};
+  file.triangle_of(with_extension("KHR_materials_specular",
+                                  {{"specularTexture", image}, {"specularColorTexture", image}}));
+  const Scene scene = file.load();
+  const interface::Material& material = scene.materials.at(0);
+  const auto value = [&](uint32_t texture) {
+    return sample_texture(scene, scene.textures.at(texture), glm::dvec4(0.5));
+  };
+  EXPECT_NEAR(value(material.specular_texture).a, 128 / 255.0, HALF_ERROR);
+  // 51 / 255 = 0.2 is encoded: ((0.2 + 0.055) / 1.055)^2.4.
+  EXPECT_NEAR(value(material.specular_color_texture).b, std::pow(0.255 / 1.055, 2.4), HALF_ERROR);
+  EXPECT_NE(find_features(scene).bits & interface::FEATURE_SPECULAR_TEXTURES, 0u);
+}
+
 TEST(SceneMaterial, UnlitGlowsInItsBaseColourAndReflectsNothing) {
   Gltf file;
   const size_t texture = file.texture(make_png(1, 1, 3, 8, {255, 0, 0}));
@@ -235,7 +251,7 @@ TEST(SceneTexture, EvaluationWrapsAndInterpolates) {
     scene.texels.push_back(0);
   }
   const auto red = [&](uint32_t flags, float u) {
-    return sample_texture(scene, interface::Texture{0, 4, 1, flags}, {u, 0.5f}).r;
+    return sample_texture(scene, interface::Texture{0, 4, 1, flags, {1, 0, 0}, {0, 1, 0}}, {u, 0.5, 0, 0}).r;
   };
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.125f), 0.0f);  // centre of the first texel
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.25f), 0.5f);   // between first and second

@@ -3,7 +3,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
+#include "interface/wavefront.h"
+#include "scene/texture.hpp"
 #include "scene_files.hpp"
 
 namespace regulus::scene::test {
@@ -72,13 +75,49 @@ TEST(SceneUvMapping, TheTransformsSetWinsOverTheTextures) {
   EXPECT_EQ(uvs(file.load()), (std::vector<glm::vec2>{{5, 6}, {7, 8}, {9, 10}}));
 }
 
-TEST(SceneUvMapping, DifferencesAndAbsencesAreWarnings) {
-  const json doubled = {{"scale", {2, 2}}};
-  EXPECT_FALSE(has_warning(textured(doubled, doubled).load(), "different coordinates"));
-  const Scene different = textured(doubled, {{"scale", {3, 3}}}).load();
-  EXPECT_TRUE(has_warning(different, "different coordinates"));
-  EXPECT_EQ(different.vertices[1].uv, glm::vec2(2, 0));
+/// Where the two textures of a material are looked up at the triangle's second vertex.
+std::pair<glm::dvec2, glm::dvec2> looked_up(const Scene& scene) {
+  const interface::Triangle& triangle = scene.triangles.at(0);
+  const interface::Material& material = scene.materials.at(triangle.material);
+  const auto at_second_vertex = [&](uint32_t texture) {
+    return image_coordinates(scene.textures.at(texture), texture_coordinates(scene, triangle, {0, 1, 0}));
+  };
+  return {at_second_vertex(material.base_color_texture),
+          at_second_vertex(material.metallic_roughness_texture)};
+}
+
+void expect_looked_up(const json& first, const json& second, const glm::dvec2& at_first,
+                      const glm::dvec2& at_second) {
+  const auto [a, b] = looked_up(textured(first, second).load());
+  EXPECT_LT(glm::distance(a, at_first), 1e-6) << a.x << ' ' << a.y;
+  EXPECT_LT(glm::distance(b, at_second), 1e-6) << b.x << ' ' << b.y;
+}
+
+// The second vertex is at (1, 0) in the first set and at (7, 8) in the second.
+TEST(SceneUvMapping, EachTextureHasItsOwnCoordinates) {
+  const json plain = json::object(), doubled = {{"scale", {2, 2}}}, other = {{"texCoord", 1}};
+  const json turned = {{"offset", {10, 20}}, {"rotation", std::numbers::pi / 2}, {"scale", {2, 3}}};
+  expect_looked_up(doubled, doubled, {2, 0}, {2, 0});
+  expect_looked_up(doubled, {{"scale", {3, 3}}}, {2, 0}, {3, 0});
+  expect_looked_up(doubled, turned, {2, 0}, {10, 18});
+  expect_looked_up(plain, other, {1, 0}, {7, 8});
+  expect_looked_up(other, plain, {7, 8}, {1, 0});
+  expect_looked_up(turned, {{"texCoord", 1}, {"offset", {1, 2}}}, {10, 18}, {8, 10});
+  const auto bits = [](const json& a, const json& b) {
+    return find_features(textured(a, b).load()).bits &
+           (interface::FEATURE_SECOND_UVS | interface::FEATURE_TEXTURE_MAPPINGS);
+  };
+  EXPECT_EQ(bits(doubled, doubled), 0u);
+  EXPECT_EQ(bits(doubled, plain), interface::FEATURE_TEXTURE_MAPPINGS);
+  EXPECT_EQ(bits(plain, other), interface::FEATURE_SECOND_UVS);
+}
+
+TEST(SceneUvMapping, AbsencesAndAThirdSetAreWarnings) {
   EXPECT_TRUE(has_warning(textured({{"texCoord", 7}}).load(), "has no TEXCOORD_7"));
+  EXPECT_TRUE(has_warning(textured(json::object(), {{"texCoord", 7}}).load(), "has no TEXCOORD_7"));
+  Gltf file = textured(json::object(), {{"texCoord", 1}});
+  file.root["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 2}};
+  EXPECT_TRUE(has_warning(file.load(), "more than two sets"));
 }
 
 TEST(SceneUvMapping, BrokenTransformsAreErrors) {
