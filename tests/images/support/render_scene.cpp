@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-
 #include "support/device.hpp"
 #include "support/random.hpp"
 
