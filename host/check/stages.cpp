@@ -133,7 +133,7 @@ class StageChecker {
       tally.add_error(0);
       return;
     }
-    bool can_agree = false;
+    bool can_agree = ends_at_a_surface(ray);
     for (int k = 0; k < JITTERS && !can_agree; ++k) {
       reference::Ray other = ray;
       other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
@@ -146,6 +146,15 @@ class StageChecker {
       tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}", candidate.path,
                                  is_open ? "open" : "occluded", text_of(ray.origin), text_of(ray.direction),
                                  ray.t_max));
+  }
+
+  /// True if the segment ends at something within what the distance of a hit may err by.
+  bool ends_at_a_surface(const reference::Ray& segment) const {
+    reference::Ray endless{segment.origin, segment.direction};
+    endless.decision = segment.decision;
+    const auto first = subject_.world.traversal().closest(endless);
+    return first &&
+           std::abs(first->t - segment.t_max) <= DISTANCE_BOUND * distance_conditioning(segment, *first);
   }
 
   /// What one relative rounding does to t: of the plane (origin and coordinates), seen at the ray's cosine,

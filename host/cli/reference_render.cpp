@@ -7,12 +7,8 @@
 namespace regulus::cli {
 
 reference::Settings reference_settings(const render::RenderSettings& settings) {
-  constexpr uint32_t UNKNOWN = interface::REGULARIZATION_VIRTUAL_MERGE;
-  if ((settings.regularization & UNKNOWN) != 0 ||
-      settings.sampler_quality != interface::SAMPLER_QUALITY_OFF ||
-      std::isfinite(settings.largest_contribution))
-    throw Error(ExitStatus::BadUsage,
-                "the scalar reference has no --regularization virtual-merge, --sampler-quality or --clamp");
+  if (std::isfinite(settings.largest_contribution))
+    throw Error(ExitStatus::BadUsage, "the scalar reference has no --clamp");
   if (settings.crop.pixels() != 0 || settings.aovs != 0 || settings.has_energy_compensation)
     throw Error(ExitStatus::BadUsage, "the scalar reference has no --crop, --aov or --energy-compensation");
   reference::Settings result;
@@ -33,6 +29,7 @@ reference::Settings reference_settings(const render::RenderSettings& settings) {
   result.bound = settings.bound;
   result.mis = settings.mis;
   result.tau = settings.tau;
+  result.sampler_quality = settings.sampler_quality;
   result.ndf = settings.ndf;
   result.shadowing = settings.shadowing;
   result.filter = {settings.filter, settings.filter_radius, settings.filter_sigma};

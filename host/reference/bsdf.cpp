@@ -292,6 +292,24 @@ BsdfSample Bsdf::sample(const dvec3& wo, double u_lobe, const dvec2& u, Transpor
   return result;
 }
 
+BsdfSample Bsdf::sample_facets(const dvec3& wo, double u_choice, const dvec2& u, TransportMode mode) const {
+  const double p_facets = 1 - diffuse_probability(wo);
+  if (!(p_facets > 0)) return {};
+  BsdfSample result = sample_base(wo, 1 - p_facets + u_choice * p_facets, u, mode);
+  if (!result.is_valid) return {};
+  if (result.is_delta) {
+    result.pdf_forward /= p_facets;
+    result.weight *= p_facets;
+  } else {
+    const Bsdf smooth = with_alpha(dvec2(0));
+    result.pdf_forward = (base_pdf(wo, result.wi) - smooth.base_pdf(wo, result.wi)) / p_facets;
+    result.weight = (base_value(wo, result.wi, mode) - smooth.base_value(wo, result.wi, mode)) *
+                    std::abs(result.wi.z) / result.pdf_forward;
+  }
+  result.weight *= (1 - coat_reflectance(wo)) * (1 - coat_reflectance(result.wi));
+  return result;
+}
+
 BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec2& u,
                              TransportMode mode) const {
   if (wo_material.z == 0) return {};

@@ -68,6 +68,11 @@ class Bsdf {
   /// reflection (below its probability) against transmission. `u` gives the direction.
   BsdfSample sample(const glm::dvec3& wo, double u_lobe, const glm::dvec2& u, TransportMode mode) const;
 
+  /// Draws wi by the base's microfacet lobe alone; `u_choice` is what sample() has left of `u_lobe` then. The
+  /// weight is that lobe's value, the clearcoat above it included, times |cos_i| over its own density.
+  BsdfSample sample_facets(const glm::dvec3& wo, double u_choice, const glm::dvec2& u,
+                           TransportMode mode) const;
+
   /// Probability of the diffuse lobe seen from wo.
   double diffuse_probability(const glm::dvec3& wo) const;
 

@@ -26,7 +26,36 @@ dvec2 lens_sample(const Settings& settings, uint32_t index, uint32_t iteration, 
   return {u.x, u.y};
 }
 
+/// The path as one system of weights has it, times `share`.
+void contribute_share(SampledPath sampled, const TechniqueSet& set, double share,
+                      const ContributionSink& sink) {
+  if (!(share > 0)) return;
+  Contribution contribution;
+  contribution.techniques = list_techniques(sampled.path, set);
+  contribution.sampled = std::move(sampled);
+  const SampledPath& found = contribution.sampled;
+  for (const Technique& used : contribution.techniques) {
+    if (used.kind != found.technique || used.vertex != found.vertex) continue;
+    contribution.weight = share * mis_weight(contribution.techniques, used);
+    contribution.unweighted = unweighted_contribution(found.path, used) / found.survival;
+    sink(contribution);
+  }
+}
+
 }  // namespace
+
+void contribute(SampledPath sampled, const TechniqueSet& set, const ContributionSink& sink) {
+  // Of one edge there is nothing to regularize, and only one technique.
+  const double share = sampled.path.length() == 1 ? 1 : regularized_share(sampled.path, set);
+  if (share < 1) {
+    SampledPath plain = sampled;
+    for (VertexScattering& vertex : plain.path.vertices) vertex.raised.reset();
+    TechniqueSet once = set;
+    once.is_both = false;
+    contribute_share(std::move(plain), once, 1 - share, sink);
+  }
+  contribute_share(std::move(sampled), set, share, sink);
+}
 
 LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool is_regularized)
     : subpaths_(std::move(subpaths)), radius_(radius) {
@@ -99,8 +128,15 @@ TechniqueSet Estimator::techniques(uint32_t sample) const {
   const double radius = merge_radius(sample);
   const double light_paths = settings_.paths_per_iteration();
   const uint32_t drawn = settings_.cache_connections;
-  return {settings_.techniques, light_paths, drawn == 0 ? 1 : drawn * light_paths / expected_cache_,
-          std::numbers::pi * radius * radius, (settings_.regularization & REGULARIZATION_BOTH) != 0};
+  TechniqueSet set{settings_.techniques, light_paths, drawn == 0 ? 1 : drawn * light_paths / expected_cache_,
+                   std::numbers::pi * radius * radius};
+  const Regularization regularization = regularization_of(settings_, sample);
+  if (!regularization.is_on) return set;
+  set.is_both = (settings_.regularization & REGULARIZATION_BOTH) != 0;
+  set.quality = settings_.sampler_quality;
+  // 1 / alpha_tau^2 grows like tau where alpha_tau shrinks.
+  set.enough_quality = std::pow(regularization.tau / std::pow(regularization.alpha_scale, 2), 2);
+  return set;
 }
 
 bool Estimator::needs_light_subpaths() const {
@@ -110,17 +146,7 @@ bool Estimator::needs_light_subpaths() const {
 
 void Estimator::emit(std::optional<SampledPath> sampled, const TechniqueSet& set,
                      const ContributionSink& sink) const {
-  if (!sampled) return;
-  Contribution contribution;
-  contribution.techniques = list_techniques(sampled->path, set);
-  contribution.sampled = std::move(*sampled);
-  const SampledPath& found = contribution.sampled;
-  for (const Technique& used : contribution.techniques) {
-    if (used.kind != found.technique || used.vertex != found.vertex) continue;
-    contribution.weight = mis_weight(contribution.techniques, used);
-    contribution.unweighted = unweighted_contribution(found.path, used) / found.survival;
-    sink(contribution);
-  }
+  if (sampled) contribute(std::move(*sampled), set, sink);
 }
 
 /// The camera walk's vertex after `edges` edges to those of its own light path, or to some drawn from all.

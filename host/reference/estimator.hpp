@@ -24,6 +24,10 @@ struct Contribution {
 
 using ContributionSink = std::function<void(const Contribution&)>;
 
+/// All that a found path contributes by the technique that found it: once, or twice where that exists with
+/// and without regularization, or where sampler quality gives it a share of both.
+void contribute(SampledPath sampled, const TechniqueSet& set, const ContributionSink& sink);
+
 /// Light walks of one iteration, and their vertices by place.
 class LightCache {
  public:

@@ -154,6 +154,12 @@ RayDensity emission_density(const World& world, const LightPoint& point, const d
   }
 }
 
+double emission_bound(const World& world, const LightPoint& point) {
+  if (point.kind == LIGHT_POINT) return 1 / (4 * pi);
+  if (point.kind != LIGHT_SPOT) return 1 / pi;
+  return 1 / (2 * pi * std::max(1 - double{light_of(world, point).cos_outer}, 1e-6));
+}
+
 EmissionRay sample_emission(const World& world, const LightPoint& point, const dvec2& u_position,
                             const dvec2& u_direction) {
   const Light& light = light_of(world, point);

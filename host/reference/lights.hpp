@@ -66,6 +66,10 @@ glm::dvec3 emitted(const World& world, const LightPoint& point, const glm::dvec3
 /// the scene's disk for distant lights.
 RayDensity emission_density(const World& world, const LightPoint& point, const glm::dvec3& direction);
 
+/// rho-bar of a light for sampler quality (math.md section 6): largest value of its normalized emission,
+/// 1/sr. Lambertian for surfaces and distant lights, uniform in the cone or sphere of the others.
+double emission_bound(const World& world, const LightPoint& point);
+
 /// First ray of a light walk.
 struct EmissionRay {
   glm::dvec3 origin, direction;

@@ -35,7 +35,47 @@ std::optional<ConnectedScattering> raised_between(const Surface& surface, const 
                              raised->pdf_wi, true, raised->ratio};
 }
 
+/// The same with the value of a virtual merge, where facets are raised.
+void measure_virtually(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light, const dvec3& w_camera,
+                       const Regularization& regularization, const VirtualTries& tries,
+                       ConnectedScattering& raised) {
+  const dvec3 wo = to_material(surface, as_seen(surface, w_camera));
+  const dvec3 wi = to_material(surface, w_light);
+  if (!raises_facets(bsdf, wo, wi, regularization)) return;
+  const bool is_from_light = tries.is_from_light;
+  const SamplingFrame frame(surface, is_from_light ? w_light : w_camera);
+  const dvec3 local_light = frame.to_local(w_light);
+  const dvec3 local_camera = frame.to_local(as_seen(surface, w_camera));
+  const dvec3 facets = is_from_light ? virtual_merge(bsdf, local_light, local_camera,
+                                                     TransportMode::Importance, regularization, tries.numbers)
+                                     : virtual_merge(bsdf, local_camera, local_light, TransportMode::Radiance,
+                                                     regularization, tries.numbers);
+  const Bsdf facets_alone =
+      bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization)).with_coat_alpha(glm::dvec2(0));
+  const dvec3 replaced = facets_alone.value(wo, wi, TransportMode::Radiance) -
+                         facets_alone.with_alpha(glm::dvec2(0)).value(wo, wi, TransportMode::Radiance);
+  raised.value = glm::max(raised.value + (facets - replaced) * normal_correction(surface, w_light), dvec3(0));
+}
+
 }  // namespace
+
+SamplingFrame::SamplingFrame(const Surface& surface, const dvec3& w_back)
+    : is_back_(dot(w_back, surface.geometric_normal) < 0),
+      basis_(material_basis(surface, is_back_ ? -surface.shading_normal : surface.shading_normal)) {}
+
+dvec3 SamplingFrame::to_local(const dvec3& w) const {
+  const dvec3 local = basis_.to_local(w);
+  return is_back_ ? dvec3(local.x, local.y, -local.z) : local;
+}
+
+dvec3 SamplingFrame::to_world(const dvec3& w) const {
+  return basis_.to_world(is_back_ ? dvec3(w.x, w.y, -w.z) : w);
+}
+
+double camera_bound(const Camera& camera, double longest_edge) {
+  const double film = camera.pixel_area() * camera.width() * camera.height();
+  return (camera.is_orthographic() ? longest_edge * longest_edge : 1.0) / film;
+}
 
 double geometry_term(const Path& path, size_t i) {
   const Edge& edge = path.edges[i];
@@ -97,7 +137,8 @@ dvec3 as_seen(const Surface& surface, const dvec3& w) {
 }
 
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
-                                    const dvec3& w_camera, const Regularization& regularization) {
+                                    const dvec3& w_camera, const Regularization& regularization,
+                                    const VirtualTries& tries) {
   VertexScattering result;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
@@ -109,6 +150,10 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, co
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
   result.raised = raised_between(surface, bsdf, w_light, w_camera, false, regularization);
+  if (regularization.is_virtual && result.raised && !tries.numbers.empty())
+    measure_virtually(surface, bsdf, w_light, w_camera, regularization, tries, *result.raised);
+  if (regularization.has_bounds)
+    result.bound = estimator_bound(bsdf, local_camera, local_light, regularization);
   return result;
 }
 
@@ -129,6 +174,9 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
   result.raised = raised_between(surface, bsdf, w_light, w_camera, true, regularization);
+  if (regularization.has_bounds)
+    result.bound = estimator_bound(bsdf, to_material(surface, as_seen(surface, w_camera)),
+                                   to_material(surface, w_light), regularization);
   result.value = factor / cos_light * normal_correction(surface, w_light);
   result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;
   // delta(w_camera) = delta(w_light) d w_light / d w_camera, by Snell's law n_l^2 cos_l dw_l = n_c^2 cos_c
@@ -139,8 +187,12 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
 }
 
 LightEnd light_end(const World& world, const LightPoint& point, const dvec3& direction) {
-  return {point.kind, emitted(world, point, direction), light_point_pdf(world, point),
-          emission_density(world, point, direction), 0};
+  return {point.kind,
+          emitted(world, point, direction),
+          light_point_pdf(world, point),
+          emission_density(world, point, direction),
+          0,
+          emission_bound(world, point)};
 }
 
 }  // namespace regulus::reference

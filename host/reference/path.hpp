@@ -38,6 +38,7 @@ struct VertexScattering {
   bool is_delta = false;
   bool diffuses = false;          ///< see diffuses(): what is before this vertex is regularized
   bool is_always_raised = false;  ///< without path diffusion
+  double bound = 0;               ///< estimator_bound(), if wanted
   /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
   /// are finite there, its delta being shared by all that can find the path.
   std::optional<ConnectedScattering> raised;
@@ -58,6 +59,7 @@ struct LightEnd {
   double point_pdf = 0;    ///< of choosing x_0, see light_point_pdf()
   RayDensity density;      ///< of a light walk's direction to x_1
   double connect_pdf = 0;  ///< of choosing x_0 from x_1, see connection_pdf(); 0 on a path of one edge
+  double bound = 0;        ///< rho-bar: largest density of the emitted light per steradian
 };
 
 /// The path.
@@ -66,6 +68,8 @@ struct Path {
   std::vector<VertexScattering> vertices;  ///< vertices[i] of x_i; 1 .. K-1, the ends unused
   std::vector<Edge> edges;                 ///< edges[i] from x_i to x_{i+1}; K of them
   RayDensity camera;                       ///< of camera rays towards x_{K-1}, film density 1 / px^2
+  double camera_bound = 0;                 ///< rho-bar of the camera, see camera_bound()
+  double longest_edge = 0;  ///< m: as what edges to distant ends, and longer ones, count for sampler quality
 
   size_t length() const { return edges.size(); }
 };
@@ -89,10 +93,22 @@ ConnectedScattering connected_at(const Path& path, size_t i);
 /// square pixel times the last edge's G is pdf_from_camera(K - 1): a film point has density 1.
 WideColor measured_function(const Path& path, size_t first = 1, size_t last = 0);
 
+/// rho-bar of a camera: one over the solid angle of its film. An orthographic one's is one over its area,
+/// where its edge counts as long as the longest.
+double camera_bound(const Camera& camera, double longest_edge);
+
+/// Numbers of a virtual merge's tries, and the end at which its lobe is sampled.
+struct VirtualTries {
+  std::vector<glm::dvec3> numbers;
+  bool is_from_light = false;  ///< from w_light
+};
+
 /// Scattering at a surface between two unit directions that point away from it; non-delta lobes. Zero where
-/// the geometric and the shading normal disagree about the side of either.
+/// the geometric and the shading normal disagree about the side of either. `tries` only where virtual merges
+/// are measured.
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
-                                    const glm::dvec3& w_camera, const Regularization& regularization = {});
+                                    const glm::dvec3& w_camera, const Regularization& regularization = {},
+                                    const VirtualTries& tries = {});
 
 /// Scattering of a walk's step: like scattering_between(), with the delta event if `sample` is one.
 /// `transport` tells what came first: Radiance, w_camera; Importance, w_light.
@@ -109,6 +125,18 @@ Basis material_basis(const Surface& surface, const glm::dvec3& normal);
 
 /// Direction w in the frame of Bsdf: z along the shading normal of the front side.
 glm::dvec3 to_material(const Surface& surface, const glm::dvec3& w);
+
+/// A direction in the frame in which device and reference sample the bsdf at a surface that a walk from
+/// `w_back` has met: of Bsdf, with x and y as chosen on that side.
+struct SamplingFrame {
+  SamplingFrame(const Surface& surface, const glm::dvec3& w_back);
+  glm::dvec3 to_local(const glm::dvec3& w) const;
+  glm::dvec3 to_world(const glm::dvec3& w) const;
+
+ private:
+  bool is_back_;
+  Basis basis_;
+};
 
 /// True if both normals see w on the same side. Where they do not, a surface scatters nothing that comes from
 /// w.

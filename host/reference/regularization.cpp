@@ -172,6 +172,53 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   return raised;
 }
 
+dvec3 virtual_merge(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, TransportMode mode,
+                    const Regularization& regularization, const std::vector<dvec3>& tries) {
+  const double scale = regularization.alpha_scale;
+  const double solid_angle = std::min(scale * scale / regularization.tau, 2 * pi);
+  dvec3 sum(0);
+  for (const dvec3& u : tries) {
+    const BsdfSample sample = bsdf.sample_facets(wo, u.x, {u.y, u.z}, mode);
+    if (sample.is_valid && 1 - dot(sample.wi, wi) <= solid_angle / (2 * pi)) sum += sample.weight;
+  }
+  return sum / (static_cast<double>(tries.size()) * solid_angle * std::abs(wi.z));
+}
+
+bool raises_facets(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Regularization& regularization) {
+  return regularization.is_on &&
+         glm::any(glm::greaterThan(raised_alpha(bsdf, wo, wi, regularization), bsdf.parameters().alpha));
+}
+
+double estimator_bound(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
+                       const Regularization& regularization) {
+  constexpr double LEAST = 1e-10;
+  constexpr double MOST = 1e10;
+  constexpr double DELTA_ALPHA = 1e-7;  // where nothing is raised a delta takes all, as the limit would
+  Regularization full = regularization;
+  full.tau = regularization.full_tau;
+  const double diffuse = luminance_of(without_facets(bsdf), wo, wi);
+  const dvec2 alpha = glm::max(raised_alpha(bsdf, wo, wi, full), dvec2(DELTA_ALPHA));
+  const Bsdf wide = bsdf.with_alpha(alpha).with_coat_alpha(dvec2(0));
+  const double facets = luminance_of(wide, wo, wi) - diffuse;
+  const auto peak = [](const dvec2& a, double least) { return 1 / (pi * std::max(a.x * a.y, least)); };
+  const BsdfParameters& p = bsdf.parameters();
+  double scale = 0.25;
+  if (is_refraction(bsdf, wo, wi)) {
+    const double eta = bsdf.relative_index(wo);
+    const double bend = std::max(std::abs(eta * eta - 1), 1e-6) / (eta + 1);
+    scale = std::max(eta, 1.0) * std::max(eta, 1.0) / (bend * bend);
+  }
+  double sum = diffuse + facets;
+  double weighted = diffuse * diffuse + facets * scale * peak(p.alpha, 1e-10);
+  if (p.clearcoat > 0 && wo.z * wi.z > 0) {
+    const Bsdf coated = bsdf.with_alpha(dvec2(0)).with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, full));
+    const double coat = luminance_of(coated, wo, wi) - diffuse;
+    sum += coat;
+    weighted += coat * 0.25 * peak(p.coat_alpha, 1e-28);
+  }
+  return sum > 0 ? std::clamp(weighted / sum, LEAST, MOST) : LEAST;
+}
+
 bool diffuses(const Bsdf& bsdf) {
   if (bsdf.parameters().clearcoat > 0 && bsdf.parameters().coat_alpha.x >= SHARP_ALPHA) return true;
   return bsdf.parameters().alpha.x >= SHARP_ALPHA || without_facets(bsdf).has_finite_lobe();

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "reference/bsdf.hpp"
 
@@ -16,7 +17,10 @@ struct Regularization {
   double tau = 100;           ///< bound on a lobe's density, 1/sr
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
-  double alpha_scale = 1;  ///< of alpha_tau: the schedule's share in this iteration
+  double alpha_scale = 1;   ///< of alpha_tau: the schedule's share in this iteration
+  bool is_virtual = false;  ///< virtual merges: what is measured is what a lobe sends into a cone
+  bool has_bounds = false;  ///< estimator_bound() is wanted, for sampler quality
+  double full_tau = 100;    ///< tau without path diffusion
 };
 
 /// Scattering between two directions as connections and merges have it: what they measure, and the pdfs of
@@ -39,6 +43,23 @@ glm::dvec2 raised_alpha(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3
 /// left unmodified.
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                                       bool is_delta_event, const Regularization& regularization);
+
+/// What a virtual merge measures in place of the microfacet lobe's value (Kaplanyan and Dachsbacher 2013;
+/// math.md section 7): the mean of value |cos_i| over a cone around wi, over |cos_i| at wi, by tries of the
+/// lobe's own sampler at wo, each with a number in [0, 1) for its event and two for its direction. The cone
+/// has the solid angle 1 / tau, times alpha_scale^2.
+glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode,
+                         const Regularization& regularization, const std::vector<glm::dvec3>& tries);
+
+/// True if regularization raises the alpha of the base's lobe between two directions.
+bool raises_facets(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
+                   const Regularization& regularization);
+
+/// rho-bar (math.md section 2.1 with Gbar = 1, and 2.5): peak of the lobe that scatters wo to wi, with the
+/// alpha of walks, a mixture's lobes by their shares of the fully regularized value at the pair. 1/sr,
+/// between 1e-10 and 1e10. Symmetric.
+double estimator_bound(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
+                       const Regularization& regularization);
 
 /// True if what is seen through this surface is blurred: it has a diffuse lobe, or its alpha is not small.
 /// Only what lies behind such a surface, as seen from the camera, is regularized.

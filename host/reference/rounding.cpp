@@ -17,9 +17,8 @@ uint64_t mixed(uint64_t z) {
   return z ^ (z >> 31);
 }
 
-/// How far off a surface single precision has to start its rays lest they meet it again: the triangle test
-/// for an origin on the triangle errs by 20 roundings of E (E^2 / 2 area), E the distance to its farthest
-/// vertex. Of needles only a part is provided for.
+}  // namespace
+
 double clearance(const World& world, const Surface& surface) {
   constexpr double MOST_OF_A_NEEDLE = 64;
   const interface::Triangle& triangle = world.scene().triangles[surface.triangle];
@@ -28,8 +27,6 @@ double clearance(const World& world, const Surface& surface) {
     extent = std::max(extent, length(dvec3(world.scene().vertices[vertex].position) - surface.position));
   return 20 * UNIT_ROUNDOFF * extent * std::min(extent * extent / (2 * surface.area), MOST_OF_A_NEEDLE);
 }
-
-}  // namespace
 
 Rounding::Rounding(uint32_t pattern, uint32_t stream, uint32_t sample, uint32_t place)
     : is_on_(pattern != 0), bits_(pattern) {

@@ -25,6 +25,11 @@ class Rounding {
   uint64_t bits_;
 };
 
+/// How far off a surface, in m, single precision has to start its rays lest they meet it again: the triangle
+/// test for an origin on the triangle errs by 20 roundings of E (E^2 / 2 area), E the distance to its
+/// farthest vertex. Of needles only a part is provided for.
+double clearance(const World& world, const Surface& surface);
+
 /// The ray as single precision may have left it: origin and direction moved by two roundings. From a surface
 /// it starts anywhere between there and the distance at which single precision is sure not to meet the
 /// surface's own triangle again. `start`: that surface, or null.

@@ -30,10 +30,30 @@ void set_camera_part(Path& path, const CameraSubpath& camera, size_t edges) {
   for (size_t m = 1; m <= edges; ++m) path.edges[length - m] = camera.vertices[m - 1].edge;
   for (size_t m = 1; m < edges; ++m) path.vertices[length - m] = camera.vertices[m - 1].scattering;
   path.camera = camera.density;
+  path.camera_bound = camera.bound;
+  path.longest_edge = camera.longest_edge;
 }
 
 bool is_black(const dvec3& color) {
   return !(color.r > 0 || color.g > 0 || color.b > 0);
+}
+
+/// True if a connection or merge at vertices first .. last carries nothing, regularized or not.
+bool is_dark(const Path& path, size_t first, size_t last) {
+  dvec3 regularized(1);
+  dvec3 plain(1);
+  for (size_t i = first; i <= last; ++i) {
+    regularized *= connected_at(path, i).value;
+    plain *= path.vertices[i].value;
+  }
+  return is_black(regularized) && is_black(plain);
+}
+
+/// Tries of virtual merges, if there are any.
+VirtualTries tries_of(const Regularization& regularization, const Stream& stream, uint32_t end,
+                      size_t camera_edges, size_t light_edges, uint32_t light_path) {
+  if (!regularization.is_virtual) return {};
+  return virtual_tries(stream, end, camera_edges, light_edges, light_path);
 }
 
 double cosine(const Surface& surface, const dvec3& w) {
@@ -86,8 +106,10 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   set_camera_part(path, camera, edges);
   path.light = light_end(world, point, -w);
   path.light.connect_pdf = connection_pdf(world, point, last.surface, w);
-  path.vertices[1] = scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization);
-  if (is_black(path.light.emitted * connected_at(path, 1).value)) return std::nullopt;
+  path.vertices[1] =
+      scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization,
+                         tries_of(last.regularization, camera.stream, VIRTUAL_MERGE_AT_CAMERA, edges, 0, 0));
+  if (is_black(path.light.emitted) || is_dark(path, 1, 1)) return std::nullopt;
 
   Edge& edge = path.edges[0];
   edge.distance = is_distant ? 0 : length(to_light);  // a medium has no far end to measure from
@@ -113,11 +135,14 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   Path& path = sampled.path;
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);
-  path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w, light.regularization);
-  path.vertices[light_edges + 1] =
-      scattering_between(from.surface, from.bsdf, w, from.w_back, from.regularization);
-  if (is_black(connected_at(path, light_edges).value * connected_at(path, light_edges + 1).value))
-    return std::nullopt;
+  const auto tries = [&](uint32_t end) {
+    return tries_of(light.regularization, camera.stream, end, camera_edges, light_edges, light.stream.index);
+  };
+  path.vertices[light_edges] = scattering_between(to.surface, to.bsdf, to.w_back, -w, light.regularization,
+                                                  tries(VIRTUAL_MERGE_AT_LIGHT));
+  path.vertices[light_edges + 1] = scattering_between(from.surface, from.bsdf, w, from.w_back,
+                                                      from.regularization, tries(VIRTUAL_MERGE_AT_CAMERA));
+  if (is_dark(path, light_edges, light_edges + 1)) return std::nullopt;
 
   Edge& edge = path.edges[light_edges];
   edge.distance = length(segment);
@@ -140,16 +165,20 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   Path& path = sampled.path;
   set_light_part(path, light, edges);
   path.camera = lens.density(projection->ray.direction);
+  path.longest_edge = 2 * world.radius();
+  path.camera_bound = camera_bound(lens, path.longest_edge);
   uint32_t medium = INVALID_INDEX;
   if (edges == 0) {
     path.light = light_end(world, light.point, w);
   } else {
     const WalkVertex& last = light.vertices[edges - 1];
     sampled.survival = last.survival;
-    path.vertices[edges] = scattering_between(surface, last.bsdf, last.w_back, w, light.regularization);
+    path.vertices[edges] =
+        scattering_between(surface, last.bsdf, last.w_back, w, light.regularization,
+                           tries_of(light.regularization, light.stream, VIRTUAL_MERGE_AT_LIGHT, 0, edges, 0));
     medium = world.medium_towards(surface, last.medium, last.w_back, w);
   }
-  if (is_black(edges == 0 ? path.light.emitted : connected_at(path, edges).value)) return std::nullopt;
+  if (edges == 0 ? is_black(path.light.emitted) : is_dark(path, edges, edges)) return std::nullopt;
 
   Edge& edge = path.edges[edges];
   edge.distance = length(projection->ray.origin - surface.position);
@@ -171,8 +200,10 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
   set_light_part(path, light, light_edges);
   set_camera_part(path, camera, camera_edges);
   path.vertices[light_edges] =
-      scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, at.regularization);
-  if (is_black(connected_at(path, light_edges).value)) return std::nullopt;
+      scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, at.regularization,
+                         tries_of(at.regularization, camera.stream, VIRTUAL_MERGE_AT_MERGE, camera_edges,
+                                  light_edges, light.stream.index));
+  if (is_dark(path, light_edges, light_edges)) return std::nullopt;
   return sampled;
 }
 

@@ -1,6 +1,7 @@
 #include "reference/techniques.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace regulus::reference {
 
@@ -115,6 +116,42 @@ std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set
   }
   std::erase_if(all, [](const Technique& t) { return !(t.weight_density > 0); });
   return all;
+}
+
+double sampler_quality(const Path& path, const TechniqueSet& set) {
+  constexpr double MOST = 1e30;
+  const size_t length = path.length();
+  const auto bound_at = [&](size_t i) {
+    return i == 0 ? path.light.bound : i == length ? path.camera_bound : path.vertices[i].bound;
+  };
+  const auto length_of = [&](size_t i) {
+    const bool is_endless =
+        (i == 0 && is_distant(path.light.kind)) || (i + 1 == length && path.camera.is_parallel);
+    return is_endless ? path.longest_edge : std::min(path.edges[i].distance, path.longest_edge);
+  };
+  double worst = MOST;
+  double whole = 0;
+  for (size_t i = 0; i < length; ++i) {
+    const double distance = length_of(i);
+    whole += distance;
+    const uint32_t kind = i == 0 ? TECHNIQUE_NEE : i + 1 == length ? TECHNIQUE_SPLAT : TECHNIQUE_CONNECT;
+    if ((set.bits & kind) != 0)
+      worst = std::min(worst, bound_at(i) * bound_at(i + 1) / (distance * distance));
+  }
+  if ((set.bits & TECHNIQUE_MERGE) != 0)
+    for (size_t j = 1; j < length; ++j)
+      worst = std::min(worst, bound_at(j) / (set.light_paths * set.merge_area));
+  return std::min(worst * whole * whole, MOST);
+}
+
+double regularized_share(const Path& path, const TechniqueSet& set) {
+  if (set.quality == SAMPLER_QUALITY_OFF) return 1;
+  const double quality = sampler_quality(path, set);
+  if (set.quality == SAMPLER_QUALITY_ON) return quality < set.enough_quality ? 0 : 1;
+  constexpr double HALF_WIDTH = 2;  // of the transition, in natural logarithms
+  const double excess = std::log(quality / set.enough_quality);
+  const double t = std::clamp((excess + HALF_WIDTH) / (2 * HALF_WIDTH), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
 }
 
 const Technique* find_technique(const std::vector<Technique>& techniques, uint32_t kind, size_t vertex) {

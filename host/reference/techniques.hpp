@@ -17,6 +17,8 @@ struct TechniqueSet {
   double connections = 1;                                               ///< samples of `connect` per (s, t)
   double merge_area = 0;                                                ///< eta_0 = pi r^2, m^2
   bool is_both = false;  ///< connections and merges exist twice, with and without regularization
+  uint32_t quality = interface::SAMPLER_QUALITY_OFF;  ///< SAMPLER_QUALITY_*
+  double enough_quality = 0;  ///< tau^2 of this iteration: below it a path is not regularized
 };
 
 /// One way to find a path.
@@ -32,6 +34,14 @@ struct Technique {
 /// All techniques of the set that can find the path, in the order hit, nee, connect by s, splat, merge by j.
 /// A path of one edge belongs to `hit` alone, or to `splat` where there is no `hit`.
 std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set);
+
+/// q (Jendersie and Grosch 2019; math.md section 6): least bound of the estimators of the set's techniques,
+/// rho-bar rho-bar / d^2 of a connection and rho-bar / (N pi r^2) of a merge, times the path's squared
+/// length.
+double sampler_quality(const Path& path, const TechniqueSet& set);
+
+/// How much of the regularized estimate a path gets, by its sampler quality: 1 all, 0 none.
+double regularized_share(const Path& path, const TechniqueSet& set);
 
 /// The technique of this kind and vertex, or null if it cannot find the path.
 const Technique* find_technique(const std::vector<Technique>& techniques, uint32_t kind, size_t vertex);

@@ -21,10 +21,6 @@ double largest(const dvec3& color) {
   return std::max({color.r, color.g, color.b});
 }
 
-dvec3 mirror_if(bool is_back, const dvec3& w) {
-  return is_back ? dvec3(w.x, w.y, -w.z) : w;
-}
-
 /// Relative index n(other side) / n(side of w_back).
 double index_ahead(const WalkVertex& vertex) {
   return vertex.bsdf.relative_index(to_material(vertex.surface, as_seen(vertex.surface, vertex.w_back)));
@@ -37,12 +33,10 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
   const bool is_from_camera = transport == TransportMode::Radiance;
   if (!is_from_camera && !sides_agree(surface, vertex.w_back)) return {};
   const dvec3 w_back = is_from_camera ? as_seen(surface, vertex.w_back) : vertex.w_back;
-  const bool is_back = dot(vertex.w_back, surface.geometric_normal) < 0;
-  const Basis basis = material_basis(surface, is_back ? -surface.shading_normal : surface.shading_normal);
-  const dvec3 wo = mirror_if(is_back, basis.to_local(w_back));
-  BsdfSample sample = vertex.bsdf.sample(wo, u.x, {u.y, u.z}, transport);
+  const SamplingFrame frame(surface, vertex.w_back);
+  BsdfSample sample = vertex.bsdf.sample(frame.to_local(w_back), u.x, {u.y, u.z}, transport);
   if (!sample.is_valid) return {};
-  sample.wi = normalize(basis.to_world(mirror_if(is_back, sample.wi)));
+  sample.wi = normalize(frame.to_world(sample.wi));
   if (!is_from_camera) sample.wi = as_seen(surface, sample.wi);
   if (is_from_camera && !sides_agree(surface, sample.wi)) return {};
   return sample;
@@ -53,7 +47,8 @@ constexpr uint32_t ROUNDING_CAMERA = 1u << 30;
 constexpr uint32_t ROUNDING_LIGHT = 3u << 30;
 
 // A given point counts as where a direction leads if it is this near, relative to the distance and to the
-// size of the scene: single precision keeps far within it, another lobe does not.
+// size of the scene, beside how far off its surface a ray may have started: single precision keeps far within
+// it, another lobe does not.
 constexpr double GIVEN_ANGLE = 1e-3;
 constexpr double GIVEN_OFFSET = 1e-5;
 
@@ -69,12 +64,13 @@ std::optional<Arrival> trace(const World& world, const Ray& ray) {
   return Arrival{world.surface_at(hit->triangle, hit->barycentrics), hit->t};
 }
 
-/// The given hit, if the ray leads there.
-std::optional<Arrival> follow(const World& world, const Ray& ray, const GivenHit& hit) {
+/// The given hit, if the ray leads there. `start`: surface of its origin, or null.
+std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface* start, const GivenHit& hit) {
   const Surface surface = world.surface_at(hit.triangle, hit.barycentrics);
   const double distance = length(surface.position - ray.origin);
   const double miss = length(ray.origin + distance * ray.direction - surface.position);
-  if (!(miss <= GIVEN_ANGLE * distance + GIVEN_OFFSET * world.radius())) return std::nullopt;
+  const double off_surface = start == nullptr ? 0 : clearance(world, *start);
+  if (!(miss <= GIVEN_ANGLE * distance + GIVEN_OFFSET * world.radius() + off_surface)) return std::nullopt;
   return Arrival{surface, distance};
 }
 
@@ -114,7 +110,8 @@ struct Walk {
       ray = rounded(world, ray, start, rounding);
       state.direction = ray.direction;
     }
-    std::optional<Arrival> at = given == nullptr ? trace(world, ray) : follow(world, ray, (*given)[bounce]);
+    std::optional<Arrival> at =
+        given == nullptr ? trace(world, ray) : follow(world, ray, start, (*given)[bounce]);
     if (!at) return std::nullopt;
     if (rounding.is_on()) round_surface(world, at->surface, given != nullptr, rounding);
     return arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
@@ -155,7 +152,9 @@ Regularization regularization_of(const Settings& settings, uint32_t sample) {
   Regularization regularization;
   regularization.is_on = (settings.regularization & REGULARIZATION_ROUGHNESS) != 0;
   regularization.has_diffusion = (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
-  regularization.tau = settings.tau;
+  regularization.tau = regularization.full_tau = settings.tau;
+  regularization.is_virtual = (settings.regularization & REGULARIZATION_VIRTUAL_MERGE) != 0;
+  regularization.has_bounds = regularization.is_on && settings.sampler_quality != SAMPLER_QUALITY_OFF;
   regularization.bound = settings.bound;
   regularization.mis = settings.mis;
   if ((settings.regularization & REGULARIZATION_CONSISTENT) != 0)
@@ -185,6 +184,26 @@ dvec4 random_block(const Settings& settings, uint32_t stream, uint32_t sample, u
     numbers[i] = std::clamp(rounding.moved(unit_interval(bits[static_cast<size_t>(i)]), UNIT_ROUNDOFF), 0.0,
                             1 - UNIT_ROUNDOFF);
   return numbers;
+}
+
+VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edges, size_t light_edges,
+                           uint32_t light_path) {
+  const RandomBits base =
+      hash_bits(stream.seed, stream.index, stream.sample, DIMENSION_BLOCK_VIRTUAL_MERGE + end);
+  // PCG4D of (x, y, z, w): its arguments are w, x, y, z.
+  const RandomBits key = hash_bits(base[3], base[0] + static_cast<uint32_t>(camera_edges),
+                                   base[1] + static_cast<uint32_t>(light_edges),
+                                   base[2] + (light_path & PATH_VERTEX_STREAM_MASK));
+  VirtualTries tries;
+  tries.is_from_light = end == VIRTUAL_MERGE_AT_LIGHT;
+  for (uint32_t i = 0; i < VIRTUAL_MERGE_TRIES; ++i) {
+    const RandomBits bits = hash_bits(key[3] + i, key[0] + i, key[1] + i, key[2] + i);
+    const auto event = (static_cast<float>(unit_interval(bits[0])) + static_cast<float>(i)) /
+                       static_cast<float>(VIRTUAL_MERGE_TRIES);
+    tries.numbers.emplace_back(std::min(double{event}, 1 - UNIT_ROUNDOFF), unit_interval(bits[1]),
+                               unit_interval(bits[2]));
+  }
+  return tries;
 }
 
 WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
@@ -231,6 +250,9 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   const dvec2 centre = dvec2(pixel % camera.width(), pixel / camera.width()) + 0.5;
 
   CameraSubpath subpath;
+  subpath.stream = {settings.seed, pixel, sample};
+  subpath.longest_edge = 2 * world.radius();
+  subpath.bound = camera_bound(camera, subpath.longest_edge);
   subpath.film = centre + settings.filter.sample({u_camera.x, u_camera.y});
   subpath.ray = camera.ray(subpath.film, {u_camera.z, u_camera.w});
   subpath.density = camera.density(subpath.ray.direction);
@@ -273,6 +295,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   const dvec4 u_direction = walk.block(DIMENSION_BLOCK_EMISSION_DIRECTION);
 
   LightSubpath subpath;
+  subpath.stream = {settings.seed, index, iteration};
   subpath.regularization = regularization_of(settings, iteration);
   subpath.point =
       sample_light_point(world, select_light(world.scene(), {u_point.x, u_point.y}), {u_point.z, u_point.w});

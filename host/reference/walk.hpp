@@ -33,6 +33,7 @@ struct Settings {
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
   double tau = 100;  ///< 1/sr
+  uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   Filter filter;
@@ -98,6 +99,18 @@ struct Escape {
   double survival;       ///< see WalkVertex
 };
 
+/// Which random numbers a walk draws.
+struct Stream {
+  uint32_t seed = 0;
+  uint32_t index = 0;   ///< pixel or light path
+  uint32_t sample = 0;  ///< or iteration
+};
+
+/// Numbers of a virtual merge's tries at `end` (VIRTUAL_MERGE_*) of a path with so many edges from the camera
+/// and from the light path `light_path`, drawn by the walk of `stream`.
+VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edges, size_t light_edges,
+                           uint32_t light_path);
+
 /// A walk from the lens: vertices[m - 1] is the vertex after m edges.
 struct CameraSubpath {
   glm::dvec2 film{0};
@@ -105,6 +118,9 @@ struct CameraSubpath {
   RayDensity density;  ///< of the ray, see Path::camera
   std::vector<WalkVertex> vertices;
   std::optional<Escape> escape;
+  Stream stream;
+  double bound = 0;         ///< see Path::camera_bound
+  double longest_edge = 0;  ///< see Path
 };
 
 /// A walk from a light: vertices[m - 1] is x_m.
@@ -114,6 +130,7 @@ struct LightSubpath {
   LightEnd end;  ///< x_0 as seen by paths that start with this walk
   Regularization regularization;
   std::vector<WalkVertex> vertices;
+  Stream stream;
 };
 
 /// A surface point where somebody else's walk arrived.

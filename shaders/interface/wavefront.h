@@ -116,6 +116,12 @@ REGULUS_CONSTANT DIMENSION_BLOCK_LIGHT_BSDF = DIMENSION_BLOCK_EMISSION + 2u;  //
 REGULUS_CONSTANT DIMENSION_BLOCK_SPLAT = DIMENSION_BLOCK_EMISSION + 4096u;  // + edges: lens u, lens v, unused
 // Connections to the cache draw one number each: block + bounce * 256 + k / 4.
 REGULUS_CONSTANT DIMENSION_BLOCK_CACHE = 1u << 20;
+// Virtual merges draw independent numbers, whatever the sampler (see virtual_merge_seed): block + VIRTUAL_MERGE_*.
+REGULUS_CONSTANT DIMENSION_BLOCK_VIRTUAL_MERGE = 1u << 24;
+REGULUS_CONSTANT VIRTUAL_MERGE_AT_CAMERA = 0u;  // the camera vertex of a connection or light sample
+REGULUS_CONSTANT VIRTUAL_MERGE_AT_LIGHT = 1u;   // the light vertex of a connection or splat
+REGULUS_CONSTANT VIRTUAL_MERGE_AT_MERGE = 2u;
+REGULUS_CONSTANT VIRTUAL_MERGE_TRIES = 4u;      // stratified in the choice of the event
 
 // State of a path between stages: the ray to trace next and what it carries. Camera and light paths alike.
 struct Path {
@@ -149,11 +155,15 @@ struct PathVertex {
   float mis_a;
   vec2 barycentrics;
   float mis_b;
-  uint edges;         // PATH_VERTEX_EDGES: path edges from the walk's start to here; above them MATERIAL_CLASS_*
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the walk's start to here; above them MATERIAL_CLASS_*, and
+                      // of a light vertex the last bits of its light path's index
 };
 REGULUS_LAYOUT(PathVertex, 64);
 REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
 REGULUS_CONSTANT PATH_VERTEX_CLASS_SHIFT = 16u;
+REGULUS_CONSTANT PATH_VERTEX_CLASS_MASK = 3u;
+REGULUS_CONSTANT PATH_VERTEX_STREAM_SHIFT = 18u;
+REGULUS_CONSTANT PATH_VERTEX_STREAM_MASK = 0xFFFu;
 REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
 
 // The vertices of one light path: the last one stored, from which the others follow by `link`.

@@ -32,7 +32,9 @@ Weighted emission_towards(Frame frame, ShadingPoint point, Path path, PathHistor
 // What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
 Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                       Regularization regularization, TechniqueCounts counts, LightSample light, vec3 wi) {
-  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization);
+  uvec4 seed = virtual_merge_seed(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, VIRTUAL_MERGE_AT_CAMERA,
+                                  uvec3(path.bounce + 1u, 0u, 0u));
+  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization, seed);
   float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
   float per_light = light.is_delta ? 0.0 : 1.0 / light.pdf;
   count_copies(counts, history.ratio, bsdf.ratio, vertex);

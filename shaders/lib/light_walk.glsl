@@ -26,7 +26,8 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   vertex.mis_a = path.mis_a;
   vertex.barycentrics = vec2(hit.u, hit.v);
   vertex.mis_b = path.mis_b;
-  vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT;
+  vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT |
+                 (path.pixel & PATH_VERTEX_STREAM_MASK) << PATH_VERTEX_STREAM_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
   if (is_regularized() && has_diffusion()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
   if (has_histories()) STORE(PathHistoryBuffer, frame.light_vertex_histories, index, history);
@@ -70,7 +71,9 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   vec3 wi = to_local_seen(point, lens.wi);
   if (!lens.is_visible || is_off_film(frame, lens.film)) return;
   Regularization regularization = regularization_of(frame, path.sample_index, false);
-  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization);
+  uvec4 seed = virtual_merge_seed(frame.seed, path.pixel, path.sample_index, VIRTUAL_MERGE_AT_LIGHT,
+                                  uvec3(0u, path.bounce + 1u, 0u));
+  ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization, seed);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
   count_copies(counts, history.sharp_ratio, bsdf.ratio, vertex);
   float weight = mis_weight_splat(counts, vertex, bsdf.eval.pdf_reverse, area_pdf, copies(bsdf.ratio));

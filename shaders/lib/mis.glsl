@@ -73,7 +73,8 @@ MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges
   return MisVertex(a, b, edges == 1u ? counts.splat : counts.connect, counts.merge);
 }
 
-// Of a stored light vertex, for a camera subpath that has diffused on its way there, or not.
+// Of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that the one before it
+// is regularized.
 MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
   vec2 accumulators = vec2(light.mis_a, light.mis_b);
   if ((spec_regularization & REGULARIZATION_DIFFUSION) != 0u && !is_diffused)

@@ -6,7 +6,7 @@
 #include "lib/stage.glsl"
 
 void append_pair(Frame frame, uint slot, uint index, uint edges_and_class) {
-  uint material_class = max(spec_material_class, edges_and_class >> PATH_VERTEX_CLASS_SHIFT);
+  uint material_class = max(spec_material_class, edges_and_class >> PATH_VERTEX_CLASS_SHIFT & PATH_VERTEX_CLASS_MASK);
   uint place = queue_reserve(queue_head(QUEUE_PAIRS + material_class));
   STORE(ConnectionPairBuffer, frame.pairs, material_class * frame.pair_capacity + place, ConnectionPair(slot, index));
 }

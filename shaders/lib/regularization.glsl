@@ -237,22 +237,25 @@ float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
   return sum > 0.0 ? clamp(weighted_sum / sum, MIN_BOUND, MAX_BOUND) : MIN_BOUND;
 }
 
-// Tries of a virtual merge, stratified in the choice of the event.
-const uint VIRTUAL_MERGE_TRIES = 4u;
+// Where the numbers of a virtual merge come from. stream: the camera path's pixel, of a splat its light path; end:
+// VIRTUAL_MERGE_AT_*; place: edges from the camera and from the light, and bits of the light path.
+uvec4 virtual_merge_seed(uint seed, uint stream, uint iteration, uint end, uvec3 place) {
+  if (!is_virtual_merge()) return uvec4(0u);
+  return pcg4d(hash_bits(seed, stream, iteration, DIMENSION_BLOCK_VIRTUAL_MERGE + end) + uvec4(place, 0u));
+}
 
 // Virtual merge (Kaplanyan and Dachsbacher 2013 for delta lobes, Jendersie and Grosch 2019 for all): the share of what the
-// microfacet lobe scatters that falls into a cone of solid angle 1 / tau around wi, over that solid angle and cos_i. Its
-// random numbers are a hash of the directions, which are random themselves.
-vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization) {
+// microfacet lobe scatters that falls into a cone of solid angle 1 / tau around wi, over that solid angle and cos_i.
+vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization, uvec4 seed) {
   float solid_angle = min(square(regularization.alpha_scale) / regularization.tau, 2.0 * PI);
-  float cos_cone = 1.0 - solid_angle * (0.5 * INV_PI);
-  uvec4 seed = pcg4d(floatBitsToUint(vec4(wi, wo.x)) ^ floatBitsToUint(vec4(wo.y, wo.z, 0.0, 0.0)));
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < VIRTUAL_MERGE_TRIES; ++i) {
     vec4 u = unit_interval(pcg4d(seed + i));
     float u_choice = min((u.x + float(i)) / float(VIRTUAL_MERGE_TRIES), ONE_MINUS_ULP);
     FacetEvent event = sample_facet_event(bsdf, wo, false, u_choice, u.yz);
-    if (!event.facet.is_valid || dot(event.wi, wi) < cos_cone) continue;
+    // Between unit vectors 2 (1 - cos) is the chord's square, which keeps its digits for narrow cones.
+    vec3 chord = event.wi - wi;
+    if (!event.facet.is_valid || dot(chord, chord) > solid_angle * INV_PI) continue;
     Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
     // The density cancels from value over pdf.
     sum += lobes.weight * (lobes.terms.shadowing * lobes.value_scale * abs(event.wi.z) /
@@ -272,7 +275,8 @@ struct ConnectionEval {
 const BsdfEval NO_SCATTERING = BsdfEval(vec3(0.0), 0.0, 0.0);
 
 // What a connection or merge measures at (wo, wi). Zero where wo or wi lies in the surface.
-ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization) {
+// seed: see virtual_merge_seed.
+ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization, uvec4 seed) {
   ConnectionEval result = ConnectionEval(NO_SCATTERING, NO_SCATTERING, 1.0, 0.0);
   if (!is_regularized() || (!bsdf_has_specular() && !has_histories())) {
     result.eval = bsdf_evaluate(bsdf, wo, wi, transport);
@@ -290,7 +294,7 @@ ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regular
   result.eval.value = raised.value;
   if (is_virtual_merge() && regularization.alpha_scale > 0.0 &&
       any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha))) {
-    result.eval.value = lobes.diffuse + virtual_merge(bsdf, wo, wi, transport, regularization);
+    result.eval.value = lobes.diffuse + virtual_merge(bsdf, wo, wi, transport, regularization, seed);
     if (bsdf_has_coat()) result.eval.value += raise_coat(bsdf, lobes, wo, wi, facet, regularization).value;
   }
   if (spec_mis != MIS_UNMODIFIED) {

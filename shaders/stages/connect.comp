@@ -20,7 +20,7 @@ struct Connection {
   ConnectionPair pair;
   PathVertex camera, light;
   ConnectionEval camera_bsdf, light_bsdf;
-  bool light_diffused;
+  bool is_diffused;  // behind the light vertex, see light_vertex_mis
   uint iteration;
   float distance;
   float camera_pdf_scale, light_pdf_scale;  // solid-angle pdf towards the vertex to area pdf there
@@ -33,14 +33,14 @@ Weighted weighted_value(Frame frame, Connection connection) {
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   uint camera_edges = camera.edges & PATH_VERTEX_EDGES, light_edges = light.edges & PATH_VERTEX_EDGES;
   MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera_edges);
-  MisVertex light_mis = light_vertex_mis(frame, counts, light, connection.pair.vertex, connection.light_diffused);
+  MisVertex light_mis = light_vertex_mis(frame, counts, light, connection.pair.vertex, connection.is_diffused);
   PathHistory camera_history, light_history;
   float ratios = at_camera.ratio * at_light.ratio;
   if (has_histories()) {
     camera_history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, connection.pair.slot);
     light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, connection.pair.vertex);
     count_copies(counts, camera_history.ratio, at_camera.ratio, camera_mis);
-    count_copies(counts, connection.light_diffused ? light_history.ratio : light_history.sharp_ratio, at_light.ratio,
+    count_copies(counts, connection.is_diffused ? light_history.ratio : light_history.sharp_ratio, at_light.ratio,
                  light_mis);
   }
   float weight = mis_weight_connect(counts, light_mis, at_light.eval.pdf_reverse,
@@ -87,15 +87,23 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
-  ConnectionEval camera_bsdf = bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
-                                            regularization_of(frame, path.sample_index, camera_diffused));
-  ConnectionEval light_bsdf = bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
-                                           regularization_of(frame, path.sample_index, light_diffused));
+  uvec3 place = uvec3(camera.edges & PATH_VERTEX_EDGES, light.edges & PATH_VERTEX_EDGES,
+                      light.edges >> PATH_VERTEX_STREAM_SHIFT & PATH_VERTEX_STREAM_MASK);
+  uint pixel = path.pixel & PATH_PIXEL;
+  ConnectionEval camera_bsdf =
+      bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
+                   regularization_of(frame, path.sample_index, camera_diffused),
+                   virtual_merge_seed(frame.seed, pixel, path.sample_index, VIRTUAL_MERGE_AT_CAMERA, place));
+  ConnectionEval light_bsdf =
+      bsdf_connect(light_point.bsdf, light_point.wo, light_wi, TRANSPORT_IMPORTANCE,
+                   regularization_of(frame, path.sample_index, light_diffused),
+                   virtual_merge_seed(frame.seed, pixel, path.sample_index, VIRTUAL_MERGE_AT_LIGHT, place));
 
   float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
-  Weighted value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf, light_diffused,
-                                                path.sample_index, distance, camera_cos, light_cos));
+  Weighted value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf,
+                                                    !has_diffusion() || light_diffused || diffuses(light_point.bsdf),
+                                                    path.sample_index, distance, camera_cos, light_cos));
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
   vec3 factor = camera.throughput * light.throughput *
                 (abs(camera_wi.z) * light_cos * correction / connection_count(frame)) *

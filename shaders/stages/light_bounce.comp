@@ -21,29 +21,37 @@ void main() {
   path.mis_a *= connect_ratio;
   Path sharp_path = path;
   mis_arrive(path, hit.t, cos_here, is_parallel);
+  // With the vertex before this one not regularized: for a camera to which all from here on is sharp. Whether this
+  // vertex diffuses, its user knows: a merge has the camera's surface here.
   vec2 sharp = vec2(path.mis_a, path.mis_b);
-  if (is_regularized() && has_diffusion() && path.bounce > 0u && !diffuses(point.bsdf)) {
+  if (is_regularized() && has_diffusion() && path.bounce > 0u) {
     vec2 carried = LOAD(Vec2Buffer, frame.light_path_sharp, slot);
     sharp_path.mis_a = carried.x;
     sharp_path.mis_b = carried.y;
     mis_arrive(sharp_path, hit.t, cos_here, is_parallel);
     sharp = vec2(sharp_path.mis_a, sharp_path.mis_b);
   }
+  bool hides_sharpness = !has_diffusion() || diffuses(point.bsdf);
 
   PathHistory history;
   if (has_histories()) {
     history = LOAD(PathHistoryBuffer, frame.path_histories, slot);
     history.plain.x *= connect_ratio;
     history_arrive(frame, history, hit.t, cos_here, is_parallel);
-    if (!has_diffusion() || diffuses(point.bsdf)) history.sharp_ratio = history.ratio;
   }
 
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
+  if (is_connectible(point) && stores_light_vertices()) {
+    uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
+    store_light_vertex(frame, point, path, sharp, history, hit, head);
+  }
+  if (hides_sharpness) {
+    sharp = vec2(path.mis_a, path.mis_b);
+    if (has_histories()) history.sharp_ratio = history.ratio;
+  }
   MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
   if (is_connectible(point)) {
-    uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
-    if (stores_light_vertices()) store_light_vertex(frame, point, path, sharp, history, hit, head);
     connect_to_lens(frame, point, path, sharp_vertex, history, counts);
   }
   // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.

@@ -48,7 +48,9 @@ struct Gatherer {
   MisVertex mis;
   PathHistory history;
   uint edges;
-  bool is_diffused;
+  uint pixel;
+  uint iteration;
+  bool is_diffused;  // behind the vertex, which scatters as the camera's surface does: see light_vertex_mis
   Regularization regularization;
   TechniqueCounts counts;
 };
@@ -56,8 +58,11 @@ struct Gatherer {
 // The bsdf of a merge with light vertex `light`, number `index`, and its product with the weight.
 Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index, vec3 wi) {
   TechniqueCounts counts = gatherer.counts;
+  uvec3 place = uvec3(gatherer.edges, light.edges & PATH_VERTEX_EDGES,
+                      light.edges >> PATH_VERTEX_STREAM_SHIFT & PATH_VERTEX_STREAM_MASK);
+  uvec4 seed = virtual_merge_seed(frame.seed, gatherer.pixel, gatherer.iteration, VIRTUAL_MERGE_AT_MERGE, place);
   ConnectionEval bsdf =
-      bsdf_connect(gatherer.point.bsdf, gatherer.point.wo, wi, TRANSPORT_RADIANCE, gatherer.regularization);
+      bsdf_connect(gatherer.point.bsdf, gatherer.point.wo, wi, TRANSPORT_RADIANCE, gatherer.regularization, seed);
   MisVertex light_mis = light_vertex_mis(frame, counts, light, index, gatherer.is_diffused);
   MisVertex camera_mis = gatherer.mis;
   PathHistory light_history;
@@ -116,8 +121,11 @@ void main() {
   Triangle triangle = LOAD(TriangleBuffer, frame.triangles, camera.triangle);
   gatherer.vertex.throughput /= max(coverage_at(frame, triangle, camera.barycentrics), MIN_COVERAGE);
   gatherer.edges = camera.edges & PATH_VERTEX_EDGES;
-  gatherer.is_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
-  gatherer.regularization = regularization_of(frame, path.sample_index, gatherer.is_diffused);
+  gatherer.pixel = path.pixel & PATH_PIXEL;
+  gatherer.iteration = path.sample_index;
+  bool is_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
+  gatherer.is_diffused = !has_diffusion() || is_diffused || diffuses(gatherer.point.bsdf);
+  gatherer.regularization = regularization_of(frame, path.sample_index, is_diffused);
   gatherer.counts = technique_counts(frame, stage.merge_radius);
   gatherer.mis = mis_camera_vertex(gatherer.counts, camera.mis_a, camera.mis_b, gatherer.edges);
   if (has_histories()) gatherer.history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, slot);
