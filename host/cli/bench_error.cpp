@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <charconv>
 #include <limits>
 #include <memory>
@@ -12,9 +11,9 @@
 #include "bench/error.hpp"
 #include "bench/page.hpp"
 #include "bvh/scene_bvh.hpp"
+#include "cli/bench_options.hpp"
 #include "cli/bench_talk.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/render_options.hpp"
 #include "image/atomic_file.hpp"
 
 namespace regulus::cli {
@@ -68,37 +67,6 @@ std::vector<BenchConfig> parse_configs(const std::string& list) {
   return configs;
 }
 
-// Reads the options of `render` from a string, as if given on the command line of `command`.
-void parse_render_options(const std::string& text, const std::string& scene_file, CLI::App& command,
-                          RenderOptions& options) {
-  declare_render_options(command, options);
-  std::vector<std::string> words{scene_file};
-  std::istringstream stream(text);
-  for (std::string word; stream >> word;) words.push_back(word);
-  std::reverse(words.begin(), words.end());
-  try {
-    command.parse(words);
-  } catch (const CLI::ParseError& error) {
-    throw Error(ExitStatus::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
-  }
-}
-
-struct ResolvedOptions {
-  render::RenderSettings settings;
-  float exposure_ev;
-};
-
-// The same with the scene's own settings behind them.
-ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
-                                       scene::Scene& scene) {
-  RenderOptions options;
-  CLI::App command;
-  parse_render_options(text, scene.path.string(), command, options);
-  apply_scene_settings(command, scene);
-  options.size = size;
-  return {resolve_settings(options, scene), options.exposure_ev};
-}
-
 fs::path reference_file(const std::string& scene, const std::string& folder) {
   const fs::path path(scene);
   return (folder.empty() ? path.parent_path() / "reference" : fs::path(folder)) /
@@ -150,9 +118,7 @@ void require_valid(const BenchComparison& comparison, const BenchErrorOptions& o
                 fmt::format("{}: no such reference; make it with: regulus bench reference {} -o {}",
                             file.string(), comparison.scene, file.string()));
   for (const BenchConfig& config : comparison.configs) {
-    RenderOptions ignored;
-    CLI::App command;
-    parse_render_options(config.options, comparison.scene, command, ignored);
+    require_render_options(config.options, comparison.scene);
   }
 }
 

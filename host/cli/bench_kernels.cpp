@@ -13,6 +13,7 @@
 #include "cli/bench_error.hpp"
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
+#include "cli/bench_skip.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
 
@@ -208,6 +209,7 @@ void add_bench_command(CLI::App& app) {
       ->check(CLI::Range(1, 1000));
   kernels->callback([options] { run_bench_kernels(*options); });
   add_bench_error_commands(*bench);
+  add_bench_skip_command(*bench);
 }
 
 }  // namespace regulus::cli

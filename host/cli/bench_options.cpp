@@ -1,0 +1,48 @@
+#include "cli/bench_options.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <sstream>
+#include <vector>
+
+#include "base/error.hpp"
+#include "cli/render_options.hpp"
+
+namespace regulus::cli {
+namespace {
+
+// Reads the options of `render` from a string, as if given on the command line of `command`.
+void parse_render_options(const std::string& text, const std::string& scene_file, CLI::App& command,
+                          RenderOptions& options) {
+  declare_render_options(command, options);
+  std::vector<std::string> words{scene_file};
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) words.push_back(word);
+  std::reverse(words.begin(), words.end());
+  try {
+    command.parse(words);
+  } catch (const CLI::ParseError& error) {
+    throw Error(ExitStatus::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
+  }
+}
+
+}  // namespace
+
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
+                                       scene::Scene& scene) {
+  RenderOptions options;
+  CLI::App command;
+  parse_render_options(text, scene.path.string(), command, options);
+  apply_scene_settings(command, scene);
+  options.size = size;
+  return {resolve_settings(options, scene), options.exposure_ev};
+}
+
+void require_render_options(const std::string& text, const std::string& scene_file) {
+  RenderOptions ignored;
+  CLI::App command;
+  parse_render_options(text, scene_file, command, ignored);
+}
+
+}  // namespace regulus::cli

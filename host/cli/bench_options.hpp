@@ -1,0 +1,23 @@
+// Options of `render` as strings, for benchmarks that render.
+#pragma once
+
+#include <string>
+
+#include "render/settings.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::cli {
+
+struct ResolvedOptions {
+  render::RenderSettings settings;
+  float exposure_ev;
+};
+
+/// What `regulus render SCENE <text> --size <size>` would use, the scene's own settings behind them.
+/// @throws Error(BadUsage)
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size, scene::Scene& scene);
+
+/// Checks the options without the scene. @throws Error(BadUsage)
+void require_render_options(const std::string& text, const std::string& scene_file);
+
+}  // namespace regulus::cli
