@@ -32,4 +32,7 @@ struct Bvh {
 /// or the traversal stack.
 Bvh build(std::span<const InputTriangle> triangles);
 
+/// The same of at most `max_depth` levels.
+Bvh build(std::span<const InputTriangle> triangles, uint32_t max_depth);
+
 }  // namespace regulus::bvh

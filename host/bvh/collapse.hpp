@@ -26,7 +26,8 @@ struct WideTree {
   uint32_t depth = 0;           ///< nodes on the longest path from the root
 };
 
-/// An empty tree gives an empty tree.
-WideTree collapse(const BinaryTree& tree);
+/// An empty tree gives an empty tree. Primitives from `first_instance` on are instances, each a leaf of its
+/// own.
+WideTree collapse(const BinaryTree& tree, uint32_t first_instance = 0xFFFFFFFFu);
 
 }  // namespace regulus::bvh

@@ -57,7 +57,7 @@ void set_plane(interface::BvhNode& node, uint32_t axis, bool is_upper, uint32_t 
   word = (word & ~(0xFFu << shift)) | plane << shift;
 }
 
-/// Fills the grid and the planes of a node whose children have the given binary nodes.
+/// Fills the grid, the planes and the mask of a node whose children have the given binary nodes.
 void encode_boxes(const BinaryTree& binary, const WideNode& wide, interface::BvhNode& node) {
   Box box;
   for (uint32_t child : wide.binary)
@@ -69,6 +69,7 @@ void encode_boxes(const BinaryTree& binary, const WideNode& wide, interface::Bvh
     node.exponents |= static_cast<uint32_t>(grid.exponent + EXPONENT_BIAS) << (8 * axis);
     for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
       if (wide.binary[slot] == WideNode::NO_CHILD) continue;
+      node.exponents |= 1u << (24 + slot);
       const Box& child = binary.nodes[wide.binary[slot]].box;
       set_plane(node, axis, false, slot, grid.lower_plane(child.lower[i]));
       set_plane(node, axis, true, slot, grid.upper_plane(child.upper[i]));
@@ -92,9 +93,12 @@ interface::BvhTriangle device_triangle(const InputTriangle& triangle) {
   return {v[0], v[1], v[2], triangle.tag};
 }
 
-/// Appends a leaf's triangles, in input order, and returns the reference to it.
+/// Appends a leaf's triangles, in input order, and returns the reference to it. An instance is its own leaf.
 uint32_t append_leaf(const BinaryTree& binary, const BinaryNode& leaf,
                      std::span<const InputTriangle> triangles, Bvh& bvh) {
+  const uint32_t primitive = binary.order[leaf.first];
+  if (primitive >= triangles.size())
+    return interface::BVH_INSTANCE_BIT | (primitive - static_cast<uint32_t>(triangles.size()));
   const auto first = static_cast<uint32_t>(bvh.order.size());
   const auto begin = binary.order.begin() + leaf.first;
   bvh.order.insert(bvh.order.end(), begin, begin + leaf.count);

@@ -8,7 +8,7 @@
 
 namespace regulus::bvh {
 
-/// Encodes nodes and triangles in leaf order.
+/// Encodes nodes and triangles in leaf order. Primitives of the tree behind the triangles are instances.
 Bvh encode(const BinaryTree& binary, const WideTree& wide, std::span<const InputTriangle> triangles);
 
 /// A node without children, as an empty scene has it.

@@ -1,5 +1,7 @@
 #include "bvh/scene_bvh.hpp"
 
+#include "bvh/two_level.hpp"
+
 namespace regulus::bvh {
 namespace {
 
@@ -18,7 +20,7 @@ Bvh build_for_scene(scene::Scene& scene) {
     input.push_back({{scene.vertices[triangle.v0].position, scene.vertices[triangle.v1].position,
                       scene.vertices[triangle.v2].position},
                      tag_of(scene.materials[triangle.material])});
-  Bvh bvh = build(input);
+  Bvh bvh = scene.shared_meshes.empty() ? build(input) : build_two_levels(input, scene);
   scene::reorder_triangles(scene, bvh.order);
   scene::build_lights(scene);
   return bvh;

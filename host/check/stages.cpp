@@ -9,6 +9,7 @@
 
 #include "check/check.hpp"
 #include "reference/lights.hpp"
+#include "scene/placement.hpp"
 
 namespace regulus::check {
 
@@ -162,9 +163,8 @@ class StageChecker {
   /// and are divided by twice the area (see the triangle test).
   double distance_conditioning(const reference::Ray& ray, const reference::Intersection& hit) const {
     const reference::Surface surface = subject_.world.surface_at(hit.triangle, hit.barycentrics);
-    const BvhTriangle& t = subject_.bvh.triangles[hit.triangle];
     double extent = 0;
-    for (const glm::vec3& vertex : {t.v0, t.v1, t.v2})
+    for (const glm::vec3& vertex : placed_positions(subject_.scene, hit.triangle))
       extent = std::max(extent, length(dvec3(vertex) - surface.position));
     const double shape = extent * extent / (2 * surface.area);
     const double cosine = std::abs(dot(surface.geometric_normal, ray.direction));
@@ -176,8 +176,8 @@ class StageChecker {
     // A tie: the device's triangle is met at that distance, and the reference's as near as makes no
     // difference.
     if (expected && hit.triangle != INVALID_INDEX && std::abs(hit.t - expected->t) < TIE_DISTANCE * scale) {
-      const BvhTriangle& t = subject_.bvh.triangles[hit.triangle];
-      const auto own = reference::intersect(ray, {dvec3(t.v0), dvec3(t.v1), dvec3(t.v2)});
+      const auto p = placed_positions(subject_.scene, hit.triangle);
+      const auto own = reference::intersect(ray, {dvec3(p[0]), dvec3(p[1]), dvec3(p[2])});
       if (own && std::abs(own->t - hit.t) < TIE_DISTANCE * scale) return Difference::Tie;
     }
     // An edge: a ray beside this one finds what the device found.
@@ -315,9 +315,10 @@ class StageChecker {
     }
     tally.describe(fmt::format(
         "slot {} bounce {} triangle {} material {}: {} {} throughput {} against {} {} throughput {}", slot,
-        index, hit.triangle, subject_.scene.triangles[hit.triangle].material, is_alive ? "goes" : "ends",
-        text_of(found.direction), text_of(found.throughput), expected ? "goes" : "ends",
-        expected ? text_of(expected->direction) : "", expected ? text_of(expected->throughput) : ""));
+        index, hit.triangle, placed_triangle(subject_.scene, hit.triangle).triangle.material,
+        is_alive ? "goes" : "ends", text_of(found.direction), text_of(found.throughput),
+        expected ? "goes" : "ends", expected ? text_of(expected->direction) : "",
+        expected ? text_of(expected->throughput) : ""));
   }
 
   const Subject& subject_;

@@ -116,7 +116,10 @@ std::vector<BenchScene> procedural_bench_scenes() {
 }
 
 BenchScene load_bench_scene(const std::filesystem::path& path) {
-  const scene::Scene loaded = scene::load(path);
+  // All triangles in one tree, as Embree gets them.
+  scene::LoadOptions options;
+  options.sharing_gain = scene::NEVER_SHARE;
+  const scene::Scene loaded = scene::load(path, options);
   BenchScene result;
   result.name = path.stem().string();
   for (const interface::Triangle& triangle : loaded.triangles)

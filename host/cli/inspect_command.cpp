@@ -13,6 +13,7 @@
 #include "cli/render_options.hpp"
 #include "image/atomic_file.hpp"
 #include "render/stages.hpp"
+#include "scene/placement.hpp"
 
 namespace regulus::cli {
 
@@ -54,7 +55,15 @@ Json cameras_json(const scene::Scene& scene) {
 Json materials_json(const scene::Scene& scene) {
   constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
   std::vector<uint64_t> triangles(scene.materials.size());
-  for (const Triangle& triangle : scene.triangles) ++triangles[triangle.material];
+  std::vector<uint64_t> copies(scene.shared_meshes.size());
+  for (const Instance& copy : scene.instances) ++copies[scene::mesh_index_of(scene, copy)];
+  for (size_t i = scene::first_placed_triangle(scene); i < scene.triangles.size(); ++i)
+    ++triangles[scene.triangles[i].material];
+  for (size_t mesh = 0; mesh < copies.size(); ++mesh) {
+    const scene::SharedMesh& shared = scene.shared_meshes[mesh];
+    for (uint32_t i = 0; i < shared.triangle_count; ++i)
+      triangles[scene.triangles[shared.first_triangle + i].material] += copies[mesh];
+  }
   Json materials = Json::array();
   for (size_t i = 0; i < scene.materials.size(); ++i)
     materials.push_back({{"name", scene.material_names[i]},
@@ -82,6 +91,7 @@ Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::R
   Json memory = {
       {"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
       {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
+      {"instances", bytes(scene.instances) + bytes(scene.instance_blocks)},
       {"materials", bytes(scene.materials)},
       {"textures", bytes(scene.textures) + bytes(scene.texels)},
       {"lights", bytes(scene.lights) + bytes(scene.light_aliases) + bytes(scene.light_tree.pairs) +
@@ -128,7 +138,10 @@ Json inspect(const InspectOptions& options) {
           {"cameras", cameras_json(scene)},
           {"meshes", scene.inventory.meshes},
           {"instances", scene.inventory.instances},
-          {"triangles", scene.triangles.size()},
+          {"triangles", scene::placed_triangle_count(scene)},
+          {"stored_triangles", scene.triangles.size()},
+          {"shared_meshes", scene.shared_meshes.size()},
+          {"copies", scene.instances.size()},
           {"vertices", scene.vertices.size()},
           {"materials", materials_json(scene)},
           {"lights", lights_json(scene)},
@@ -162,6 +175,10 @@ void print_contents(const Json& scene) {
   fmt::print("meshes           {}, placed {} times: {} triangles, {} vertices\n",
              scene["meshes"].get<uint64_t>(), scene["instances"].get<uint64_t>(),
              scene["triangles"].get<uint64_t>(), scene["vertices"].get<uint64_t>());
+  if (scene["copies"] > 0)
+    fmt::print("instances        {} copies of {} meshes: {} triangles stored\n",
+               scene["copies"].get<uint64_t>(), scene["shared_meshes"].get<uint64_t>(),
+               scene["stored_triangles"].get<uint64_t>());
   for (const Json& material : scene["materials"])
     fmt::print("material         {}, {}{}, {} triangles\n", material["name"].dump(),
                material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",

@@ -24,6 +24,7 @@
 #include "render/aov.hpp"
 #include "render/film_file.hpp"
 #include "render/renderer.hpp"
+#include "scene/placement.hpp"
 
 namespace regulus::cli {
 
@@ -209,7 +210,8 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   times.bvh_seconds = stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
-               scene.triangles.size(), scene.lights.size(), times.load_seconds, times.bvh_seconds);
+               scene::placed_triangle_count(scene), scene.lights.size(), times.load_seconds,
+               times.bvh_seconds);
 
   if (options.backend == "reference") return render_by_reference(options, outputs, scene, bvh, settings);
 

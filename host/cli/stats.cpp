@@ -7,6 +7,7 @@
 #include "base/process_usage.hpp"
 #include "base/version.hpp"
 #include "render/aov.hpp"
+#include "scene/placement.hpp"
 
 namespace regulus::cli {
 
@@ -84,7 +85,8 @@ nlohmann::json scene_json(const scene::Scene& scene) {
     if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
   return {{"file", scene.path.string()},
           {"hash", fmt::format("{:016x}", scene.hash)},
-          {"triangles", scene.triangles.size()},
+          {"triangles", scene::placed_triangle_count(scene)},
+          {"stored_triangles", scene.triangles.size()},
           {"materials", scene.materials.size()},
           {"textures", scene.textures.size()},
           {"lights", scene.lights.size()},

@@ -21,10 +21,9 @@ uint64_t mixed(uint64_t z) {
 
 double clearance(const World& world, const Surface& surface) {
   constexpr double MOST_OF_A_NEEDLE = 64;
-  const interface::Triangle& triangle = world.scene().triangles[surface.triangle];
   double extent = 0;
-  for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2})
-    extent = std::max(extent, length(dvec3(world.scene().vertices[vertex].position) - surface.position));
+  for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
+    extent = std::max(extent, length(dvec3(vertex) - surface.position));
   return 20 * UNIT_ROUNDOFF * extent * std::min(extent * extent / (2 * surface.area), MOST_OF_A_NEEDLE);
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "reference/rng.hpp"
+#include "scene/placement.hpp"
 #include "scene/texture.hpp"
 
 namespace regulus::reference {
@@ -60,6 +61,26 @@ bool meets(const Ray& ray, const Box& box) {
   return near <= far;
 }
 
+/// The ray in the space of a copy's mesh, at the same t, and how far off its vertices may be there: they are
+/// rounded on their way to the world, which is where triangles are met.
+struct LocalRay {
+  Ray ray;
+  dvec3 slack{0};
+};
+
+LocalRay local_ray(const Ray& ray, const Instance* copy) {
+  if (copy == nullptr) return {ray};
+  constexpr double PLACING_ERROR = 1e-6;  // of the reach: some roundings of single precision
+  const glm::dmat3 inverse =
+      glm::inverse(glm::dmat3(dvec3(copy->x_axis), dvec3(copy->y_axis), dvec3(copy->z_axis)));
+  LocalRay local{ray};
+  local.ray.origin = inverse * (ray.origin - dvec3(copy->translation));
+  local.ray.direction = inverse * ray.direction;
+  for (int column = 0; column < 3; ++column)
+    local.slack += PLACING_ERROR * static_cast<double>(copy->reach[column]) * glm::abs(inverse[column]);
+  return local;
+}
+
 }  // namespace
 
 std::optional<Intersection> intersect(const Ray& ray, const dvec3 (&vertices)[3]) {
@@ -88,7 +109,7 @@ std::optional<Intersection> intersect(const Ray& ray, const dvec3 (&vertices)[3]
 }
 
 double coverage_at(const scene::Scene& scene, uint32_t index, const glm::dvec2& barycentrics) {
-  const Triangle& triangle = scene.triangles[index];
+  const Triangle triangle = scene::placed_triangle(scene, index).triangle;
   const Material& material = scene.materials[triangle.material];
   if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0) return 1;
   const uint32_t corners[3] = {triangle.v0, triangle.v1, triangle.v2};
@@ -123,15 +144,22 @@ bool Traversal::is_covered(const Ray& ray, const Intersection& hit) const {
   return unit_interval(bits[0]) < coverage;
 }
 
-void Traversal::intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const {
-  const uint32_t first = reference & BVH_LEAF_FIRST_MASK;
-  const uint32_t count = ((reference & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1;
+void Traversal::intersect_leaf(const Visit& visit, Ray& ray, std::optional<Intersection>& nearest) const {
+  const uint32_t first = visit.reference & BVH_LEAF_FIRST_MASK;
+  const uint32_t count = ((visit.reference & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1;
+  const Instance* copy = visit.copy;
   for (uint32_t i = first; i < first + count; ++i) {
-    if (i == ray.skip_first || i == ray.skip_last) continue;
+    const uint32_t number = copy != nullptr ? i - copy->first_triangle + copy->first_number : i;
+    if (number == ray.skip_first || number == ray.skip_last) continue;
     const BvhTriangle& triangle = tree_.triangles[i];
-    auto hit = intersect(ray, {dvec3(triangle.v0), dvec3(triangle.v1), dvec3(triangle.v2)});
+    glm::vec3 p[3] = {triangle.v0, triangle.v1, triangle.v2};
+    if (copy != nullptr) {
+      for (glm::vec3& vertex : p) vertex = scene::placed_position(*copy, vertex);
+      if (copy->is_mirrored != 0) std::swap(p[1], p[2]);
+    }
+    auto hit = intersect(ray, {dvec3(p[0]), dvec3(p[1]), dvec3(p[2])});
     if (!hit) continue;
-    hit->triangle = i;
+    hit->triangle = number;
     if ((triangle.tag & TRIANGLE_TAG_ALPHA) != 0 && !is_covered(ray, *hit)) continue;
     ray.t_max = hit->t;
     nearest = hit;
@@ -140,18 +168,27 @@ void Traversal::intersect_leaf(uint32_t reference, Ray& ray, std::optional<Inter
 
 std::optional<Intersection> Traversal::run(Ray ray, bool any_hit) const {
   std::optional<Intersection> nearest;
-  std::vector<uint32_t> stack{0};
+  std::vector<Visit> stack{{0, nullptr}};
   while (!stack.empty() && !(any_hit && nearest)) {
-    const uint32_t reference = stack.back();
+    const Visit visit = stack.back();
     stack.pop_back();
-    if ((reference & BVH_LEAF_BIT) != 0) {
-      intersect_leaf(reference, ray, nearest);
+    if ((visit.reference & BVH_LEAF_BIT) != 0) {
+      intersect_leaf(visit, ray, nearest);
       continue;
     }
-    const BvhNode& node = tree_.nodes[reference];
+    if ((visit.reference & BVH_INSTANCE_BIT) != 0) {
+      const Instance& copy = scene_->instances[visit.reference ^ BVH_INSTANCE_BIT];
+      stack.push_back({copy.root, &copy});
+      continue;
+    }
+    const BvhNode& node = tree_.nodes[visit.reference];
+    const LocalRay local = local_ray(ray, visit.copy);
     for (uint32_t slot = 0; slot < CHILDREN; ++slot) {
-      const std::optional<Box> box = child_box(node, slot);
-      if (box && meets(ray, *box)) stack.push_back(node.children[slot]);
+      std::optional<Box> box = child_box(node, slot);
+      if (!box) continue;
+      box->lower -= local.slack;
+      box->upper += local.slack;
+      if (meets(local.ray, *box)) stack.push_back({node.children[slot], visit.copy});
     }
   }
   return nearest;

@@ -54,8 +54,14 @@ class Traversal {
   bool is_occluded(const Ray& ray) const;
 
  private:
+  /// A reference to visit, in the world or in the space of a copy's mesh.
+  struct Visit {
+    uint32_t reference;
+    const interface::Instance* copy;
+  };
+
   std::optional<Intersection> run(Ray ray, bool any_hit) const;
-  void intersect_leaf(uint32_t reference, Ray& ray, std::optional<Intersection>& nearest) const;
+  void intersect_leaf(const Visit& visit, Ray& ray, std::optional<Intersection>& nearest) const;
 
   bool is_covered(const Ray& ray, const Intersection& hit) const;
 

@@ -84,9 +84,8 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
   if (!is_given) return;  // the rounding of its ray has moved it
   // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
   double size = 0;
-  const Triangle& triangle = world.scene().triangles[surface.triangle];
-  for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2})
-    size = std::max(size, largest(glm::abs(dvec3(world.scene().vertices[vertex].position))));
+  for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
+    size = std::max(size, largest(glm::abs(dvec3(vertex))));
   for (int axis = 0; axis < 3; ++axis)
     surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "scene/placement.hpp"
 #include "scene/texture.hpp"
 
 namespace regulus::reference {
@@ -46,10 +47,11 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
 }
 
 Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
-  const Triangle& triangle = scene_.triangles[index];
-  const Vertex& v0 = scene_.vertices[triangle.v0];
-  const Vertex& v1 = scene_.vertices[triangle.v1];
-  const Vertex& v2 = scene_.vertices[triangle.v2];
+  const scene::PlacedTriangle placed = scene::placed_triangle(scene_, index);
+  const Triangle& triangle = placed.triangle;
+  const Vertex v0 = placed_vertex(scene_, placed, triangle.v0);
+  const Vertex v1 = placed_vertex(scene_, placed, triangle.v1);
+  const Vertex v2 = placed_vertex(scene_, placed, triangle.v2);
   const dvec3 b(1 - barycentrics.x - barycentrics.y, barycentrics.x, barycentrics.y);
   const dvec3 p0(v0.position);
   const dvec3 p1(v1.position);
@@ -71,26 +73,26 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.material = triangle.material;
   surface.light = triangle.light;
   if (!has_smooth_normals_) {
-    set_anisotropy(surface, triangle, b);
+    set_anisotropy(surface, placed, b);
     return surface;
   }
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
   if (dot(sum, sum) > 1e-12)  // normals that cancel say nothing
     surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
-  if (scene_.materials[triangle.material].normal_texture != INVALID_INDEX)
-    surface.shading_normal = mapped_normal(surface, triangle, b, sum);
-  set_anisotropy(surface, triangle, b);
+  if (scene_.materials[surface.material].normal_texture != INVALID_INDEX)
+    surface.shading_normal = mapped_normal(surface, placed, b, sum);
+  set_anisotropy(surface, placed, b);
   return surface;
 }
 
 double World::mean_curvature(uint32_t index) const {
   if (!has_smooth_normals_) return 0;
-  const Triangle& triangle = scene_.triangles[index];
-  const std::array<uint32_t, 3> corners = {triangle.v0, triangle.v1, triangle.v2};
+  const scene::PlacedTriangle placed = scene::placed_triangle(scene_, index);
   std::array<dvec3, 3> p, n;
   for (size_t i = 0; i < 3; ++i) {
-    p[i] = dvec3(scene_.vertices[corners[i]].position);
-    n[i] = dvec3(scene_.vertices[corners[i]].normal);
+    const Vertex vertex = placed_vertex(scene_, placed, placed.corners()[i]);
+    p[i] = dvec3(vertex.position);
+    n[i] = dvec3(vertex.normal);
   }
   const dvec3 doubled = cross(p[1] - p[0], p[2] - p[0]);
   const double longest = std::max({length(p[1] - p[0]), length(p[2] - p[1]), length(p[0] - p[2])});
@@ -103,8 +105,16 @@ double World::mean_curvature(uint32_t index) const {
   return std::clamp(side * divergence / 2, -1 / longest, 1 / longest);
 }
 
-void World::set_anisotropy(Surface& surface, const Triangle& triangle, const dvec3& b) const {
-  const Material& material = scene_.materials[triangle.material];
+glm::dvec4 World::tangent_at(const scene::PlacedTriangle& placed, const dvec3& b) const {
+  glm::dvec4 sum(0);
+  for (size_t i = 0; i < 3; ++i)
+    sum += b[static_cast<int>(i)] * glm::dvec4(placed_tangent(scene_, placed, placed.corners()[i]));
+  sum.w = placed_tangent(scene_, placed, placed.triangle.v0).w;
+  return sum;
+}
+
+void World::set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed, const dvec3& b) const {
+  const Material& material = scene_.materials[surface.material];
   if (!(material.anisotropy > 0)) return;
   surface.anisotropy = material.anisotropy;
   dvec2 direction(material.anisotropy_direction);
@@ -115,27 +125,22 @@ void World::set_anisotropy(Surface& surface, const Triangle& triangle, const dve
                  direction.x * turned.y + direction.y * turned.x};
     surface.anisotropy *= texel.z;
   }
-  const auto& tangents = scene_.vertex_tangents;
-  const dvec3 tangent = b.x * dvec3(tangents[triangle.v0]) + b.y * dvec3(tangents[triangle.v1]) +
-                        b.z * dvec3(tangents[triangle.v2]);
-  const dvec3 bitangent =
-      static_cast<double>(tangents[triangle.v0].w) * cross(surface.shading_normal, tangent);
-  dvec3 along = direction.x * tangent + direction.y * bitangent;
+  const glm::dvec4 tangent = tangent_at(placed, b);
+  const dvec3 bitangent = tangent.w * cross(surface.shading_normal, dvec3(tangent));
+  dvec3 along = direction.x * dvec3(tangent) + direction.y * bitangent;
   along -= dot(along, surface.shading_normal) * surface.shading_normal;
   if (dot(along, along) > 1e-12) surface.tangent = normalize(along);
 }
 
-dvec3 World::mapped_normal(const Surface& surface, const Triangle& triangle, const dvec3& b,
+dvec3 World::mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const dvec3& b,
                            const dvec3& normal) const {
-  const Material& material = scene_.materials[triangle.material];
-  const auto& tangents = scene_.vertex_tangents;
-  const dvec3 tangent = b.x * dvec3(tangents[triangle.v0]) + b.y * dvec3(tangents[triangle.v1]) +
-                        b.z * dvec3(tangents[triangle.v2]);
-  const dvec3 bitangent = static_cast<double>(tangents[triangle.v0].w) * cross(normal, tangent);
+  const Material& material = scene_.materials[surface.material];
+  const glm::dvec4 tangent = tangent_at(placed, b);
+  const dvec3 bitangent = tangent.w * cross(normal, dvec3(tangent));
   const dvec3 texel(texture_at(material.normal_texture, surface.uv));
   const dvec3 scale(material.normal_scale, material.normal_scale, 1);
   const dvec3 map = (2.0 * texel - 1.0) * scale;
-  dvec3 mapped = map.x * tangent + map.y * bitangent + map.z * normal;
+  dvec3 mapped = map.x * dvec3(tangent) + map.y * bitangent + map.z * normal;
   if (dot(normal, surface.geometric_normal) < 0) mapped = -mapped;
   if (!(dot(mapped, mapped) > 1e-12)) return surface.shading_normal;
   mapped = normalize(mapped);

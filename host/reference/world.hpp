@@ -7,6 +7,7 @@
 
 #include "reference/bsdf.hpp"
 #include "reference/traversal.hpp"
+#include "scene/placement.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::reference {
@@ -80,10 +81,12 @@ class World {
 
  private:
   /// Front shading normal by the material's normal map; `normal` is the vertices' sum.
-  glm::dvec3 mapped_normal(const Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b,
+  glm::dvec3 mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
                            const glm::dvec3& normal) const;
   /// Fills what concerns anisotropy, with the shading normal known.
-  void set_anisotropy(Surface& surface, const interface::Triangle& triangle, const glm::dvec3& b) const;
+  void set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
+  /// Between the vertices, not normalized; w: sign of the bitangent.
+  glm::dvec4 tangent_at(const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
   glm::dvec4 texture_at(uint32_t index, const glm::dvec4& uv) const;
 
   const scene::Scene& scene_;

@@ -26,6 +26,8 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       vertex_uvs_(gpu::upload_new(device, scene.vertex_uvs, "second texture coordinates")),
       vertex_tangents_(gpu::upload_new(device, scene.vertex_tangents, "vertex tangents")),
       triangles_(gpu::upload_new(device, scene.triangles, "triangles")),
+      instances_(gpu::upload_new(device, scene.instances, "instances")),
+      instance_blocks_(gpu::upload_new(device, scene.instance_blocks, "instance blocks")),
       materials_(gpu::upload_new(device, scene.materials, "materials")),
       textures_(gpu::upload_new(device, scene.textures, "textures")),
       texels_(gpu::upload_new(device, scene.texels, "texels")),
@@ -40,6 +42,8 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
                   interface::device_address(light_trails_.address()), scene.light_tree.center,
                   scene.light_tree.radius},
       light_count_(static_cast<uint32_t>(scene.lights.size())),
+      stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
+      instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {}
 
@@ -52,6 +56,10 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.vertex_uvs = address(vertex_uvs_);
   frame.vertex_tangents = address(vertex_tangents_);
   frame.triangles = address(triangles_);
+  frame.instances = address(instances_);
+  frame.instance_blocks = address(instance_blocks_);
+  frame.stored_triangles = stored_triangles_;
+  frame.instance_block_shift = instance_block_shift_;
   frame.materials = address(materials_);
   frame.textures = address(textures_);
   frame.texels = address(texels_);

@@ -25,11 +25,11 @@ class DeviceScene {
 
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_uvs_, vertex_tangents_,
-      triangles_, materials_, textures_, texels_, lights_, light_aliases_, light_pairs_, light_trails_,
-      environment_texels_, environment_cdf_, energy_tables_;
+      triangles_, instances_, instance_blocks_, materials_, textures_, texels_, lights_, light_aliases_,
+      light_pairs_, light_trails_, environment_texels_, environment_cdf_, energy_tables_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
-  uint32_t light_count_;
+  uint32_t light_count_, stored_triangles_, instance_block_shift_;
   glm::vec3 center_;
   float radius_;
 };

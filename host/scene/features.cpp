@@ -154,7 +154,9 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",
-                         "the question whether a surface is there, in traversal and light sampling"}};
+                         "the question whether a surface is there, in traversal and light sampling"},
+      FeatureDescription{FEATURE_INSTANCES, "instances",
+                         "trees of meshes below the scene's, and the placing of their triangles"}};
   return DESCRIPTIONS;
 }
 
@@ -167,6 +169,7 @@ Features find_features(const Scene& scene) {
     has_smooth_normals = has_smooth_normals || is_smooth(scene, triangle);
   }
   if (has_smooth_normals) features.bits |= interface::FEATURE_SMOOTH_NORMALS;
+  if (!scene.instances.empty()) features.bits |= interface::FEATURE_INSTANCES;
   if (!scene.vertex_colors.empty()) features.bits |= interface::FEATURE_VERTEX_COLORS;
   for (const interface::Texture& texture : scene.textures) {
     if ((texture.flags & interface::TEXTURE_MAPPED) != 0)

@@ -4,357 +4,32 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cfloat>
-#include <cmath>
-#include <optional>
 
-#include "scene/accessor.hpp"
+#include "interface/bvh.h"
 #include "scene/instancing.hpp"
 #include "scene/material.hpp"
-#include "scene/tangents.hpp"
-#include "scene/uv_mapping.hpp"
+#include "scene/placement.hpp"
+#include "scene/primitive.hpp"
 
 namespace regulus::scene {
 namespace {
 
 using interface::INVALID_INDEX;
 
-// Beyond this, products of edge lengths overflow in the kernels' single precision.
-constexpr float MAX_COORDINATE = 1e9f;
+// What a triangle takes in the tree, and what a copy does, there and beside it.
+constexpr uint64_t BYTES_IN_TREE = sizeof(interface::BvhTriangle) + 20;
+constexpr uint64_t BYTES_OF_COPY = sizeof(interface::Instance) + 40;
+// A mesh that would gain less is not worth the detour.
+constexpr uint64_t LEAST_GAIN = uint64_t{64} << 10;
 
-struct Instance {
-  size_t mesh;
-  size_t primitive;
-  glm::dmat4 to_world;
-  uint32_t place;  ///< of its mesh, see interface::Triangle
-};
-
-/// What was seen while flattening, reported in one warning each.
-struct Tally {
-  uint64_t triangles = 0;
-  uint64_t without_area = 0;
-  uint64_t bad_normals = 0;
-  uint64_t bad_uvs = 0;
-  uint64_t bad_colors = 0;
-  uint64_t bad_tangents = 0;
-};
-
-const tinygltf::Primitive& primitive_of(const Document& document, const Instance& instance) {
-  return document.model.meshes[instance.mesh].primitives[instance.primitive];
+size_t mesh_index(const Document& document, const PlacedNode& placed) {
+  return static_cast<size_t>(document.model.nodes[placed.node].mesh);
 }
 
-std::string instance_name(const Document& document, const Instance& instance) {
-  return fmt::format("{} primitive {}",
-                     element_name("mesh", instance.mesh, document.model.meshes[instance.mesh].name),
-                     instance.primitive);
+bool emits(const Document& document, const tinygltf::Primitive& primitive) {
+  return primitive.material >= 0 &&
+         may_emit(document.model.materials[static_cast<size_t>(primitive.material)]);
 }
-
-std::optional<AccessorReader> attribute(const Document& document, const Instance& instance, const char* name,
-                                        int type) {
-  const auto& attributes = primitive_of(document, instance).attributes;
-  const auto found = attributes.find(name);
-  if (found == attributes.end()) return std::nullopt;
-  return AccessorReader(document, found->second, type, instance_name(document, instance) + " " + name);
-}
-
-/// COLOR_0, whose elements have three or four components.
-std::optional<AccessorReader> color_attribute(const Document& document, const Instance& instance) {
-  const auto& attributes = primitive_of(document, instance).attributes;
-  const auto found = attributes.find("COLOR_0");
-  if (found == attributes.end()) return std::nullopt;
-  const int type = document.model.accessors.at(static_cast<size_t>(found->second)).type;
-  return attribute(document, instance, "COLOR_0",
-                   type == TINYGLTF_TYPE_VEC3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4);
-}
-
-/// The corners of a primitive's triangles as indices into its vertices.
-class TriangleList {
- public:
-  TriangleList(const Document& document, const Instance& instance, uint64_t vertex_count)
-      : mode_(primitive_of(document, instance).mode), vertex_count_(vertex_count) {
-    const int indices = primitive_of(document, instance).indices;
-    if (indices >= 0) {
-      indices_.emplace(document, indices, TINYGLTF_TYPE_SCALAR,
-                       instance_name(document, instance) + " indices");
-      indices_->require_indices(document);
-    }
-    corners_ = indices_ ? indices_->count() : vertex_count;
-  }
-
-  uint64_t size() const {
-    if (mode_ == TINYGLTF_MODE_TRIANGLES) return corners_ / 3;
-    return corners_ < 3 ? 0 : corners_ - 2;
-  }
-
-  uint64_t leftover() const { return mode_ == TINYGLTF_MODE_TRIANGLES ? corners_ % 3 : 0; }
-
-  /// Vertex indices of triangle t, counter-clockwise at the front (glTF 2.0, 3.7.2.1).
-  /// @throws Error if one is out of range.
-  glm::uvec3 at(const Document& document, const Instance& instance, uint64_t t) const {
-    glm::u64vec3 corner(3 * t, 3 * t + 1, 3 * t + 2);
-    if (mode_ == TINYGLTF_MODE_TRIANGLE_STRIP) corner = {t, t + (1 + t % 2), t + (2 - t % 2)};
-    if (mode_ == TINYGLTF_MODE_TRIANGLE_FAN) corner = {t + 1, t + 2, 0};
-    glm::uvec3 vertex;
-    for (int i = 0; i < 3; ++i) {
-      vertex[i] = indices_ ? indices_->index_at(corner[i]) : static_cast<uint32_t>(corner[i]);
-      if (vertex[i] >= vertex_count_)
-        document.fail(fmt::format("{}: index {} refers to vertex {} of {}; export the file again",
-                                  instance_name(document, instance), corner[i], vertex[i], vertex_count_));
-    }
-    return vertex;
-  }
-
- private:
-  int mode_;
-  uint64_t vertex_count_;
-  uint64_t corners_ = 0;
-  std::optional<AccessorReader> indices_;
-};
-
-bool is_triangle_mode(int mode) {
-  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
-         mode == TINYGLTF_MODE_TRIANGLE_FAN;
-}
-
-/// Geometric normal as kernels compute it, in single precision; zero when the triangle has no usable area
-/// (its squared length would leave the normal range and the normal be noise).
-glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2) {
-  const glm::vec3 normal = glm::cross(p1 - p0, p2 - p0);
-  const float length_squared = glm::dot(normal, normal);
-  if (!(length_squared >= FLT_MIN) || !std::isfinite(length_squared)) return glm::vec3(0);
-  return normal / std::sqrt(length_squared);
-}
-
-MaterialUvs uvs_of(Document& document, const Instance& instance) {
-  const int material = primitive_of(document, instance).material;
-  if (material < 0) return {};
-  const auto index = static_cast<size_t>(material);
-  const tinygltf::Material& source = document.model.materials[index];
-  return material_uvs(document, source, element_name("material", index, source.name));
-}
-
-/// TANGENT, if the material needs it; without normals the specification says to ignore it.
-std::optional<AccessorReader> tangent_attribute(const Document& document, const Instance& instance) {
-  const int material = primitive_of(document, instance).material;
-  if (material < 0 || !needs_tangents(document.model.materials[static_cast<size_t>(material)]) ||
-      primitive_of(document, instance).attributes.count("NORMAL") == 0)
-    return std::nullopt;
-  return attribute(document, instance, "TANGENT", TINYGLTF_TYPE_VEC4);
-}
-
-/// Flattens one primitive.
-class PrimitiveBuilder {
- public:
-  PrimitiveBuilder(Document& document, const Instance& instance, Scene& scene, Tally& tally)
-      : document_(document),
-        instance_(instance),
-        scene_(scene),
-        tally_(tally),
-        positions_(*attribute(document, instance, "POSITION", TINYGLTF_TYPE_VEC3)),
-        normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
-        material_uvs_(uvs_of(document, instance)),
-        uvs_(uv_attribute(material_uvs_.first.set)),
-        second_uvs_(material_uvs_.second_set ? uv_attribute(*material_uvs_.second_set) : std::nullopt),
-        colors_(color_attribute(document, instance)),
-        tangents_(tangent_attribute(document, instance)),
-        triangles_(document, instance, positions_.count()) {
-    const glm::dmat3 linear(instance.to_world);
-    const double determinant = glm::determinant(linear);
-    is_mirrored_ = determinant < 0;
-    // The cofactor matrix is determinant * inverse transpose and exists for flattening transforms too.
-    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
-    normal_to_world_ = is_mirrored_ ? -cofactor : cofactor;
-    const int material = primitive_of(document, instance).material;
-    linear_ = linear;
-    needs_tangents_ =
-        material >= 0 && needs_tangents(document.model.materials[static_cast<size_t>(material)]);
-    material_ = material >= 0 ? static_cast<uint32_t>(material)
-                              : static_cast<uint32_t>(document.model.materials.size());
-  }
-
-  void build() {
-    require_same_count(normals_);
-    require_same_count(uvs_);
-    require_same_count(second_uvs_);
-    require_same_count(colors_);
-    require_same_count(tangents_);
-    if (!uvs_ && material_uvs_.first.set != 0) warn_of_missing(material_uvs_.first.set);
-    if (!second_uvs_ && material_uvs_.second_set) warn_of_missing(*material_uvs_.second_set);
-    if (triangles_.leftover() != 0)
-      document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
-                                 instance_name(document_, instance_), triangles_.leftover()));
-    const size_t first_vertex = scene_.vertices.size();
-    const size_t first_triangle = scene_.triangles.size();
-    if (normals_) {
-      add_shared_vertices();
-      add_smooth_triangles();
-    } else {
-      add_flat_triangles();
-    }
-    if (needs_tangents_ && !tangents_) add_tangents_of_image(first_vertex, first_triangle);
-  }
-
- private:
-  std::optional<AccessorReader> uv_attribute(int set) const {
-    return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set).c_str(), TINYGLTF_TYPE_VEC2);
-  }
-
-  void warn_of_missing(int set) {
-    document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
-                               instance_name(document_, instance_), set));
-  }
-
-  /// Tangents follow the coordinates of the normal texture.
-  void add_tangents_of_image(size_t first_vertex, size_t first_triangle) {
-    const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
-    add_tangents(scene_, first_vertex, first_triangle, placement);
-  }
-
-  void require_same_count(const std::optional<AccessorReader>& reader) const {
-    if (reader && reader->count() != positions_.count())
-      document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
-                                 reader->element(), reader->count(), positions_.count()));
-  }
-
-  glm::vec3 position(uint64_t i) const {
-    const glm::vec3 local = positions_.vec3_at(i);
-    const glm::vec3 world(instance_.to_world * glm::dvec4(local, 1.0));
-    for (int axis = 0; axis < 3; ++axis) {
-      if (!std::isfinite(local[axis]))
-        document_.fail(fmt::format("{}: vertex {} is not finite; repair the mesh", positions_.element(), i));
-      if (!(std::fabs(world[axis]) <= MAX_COORDINATE))
-        document_.fail(fmt::format("{}: vertex {} lies beyond {:g} units; scale the scene down",
-                                   positions_.element(), i, MAX_COORDINATE));
-    }
-    return world;
-  }
-
-  glm::vec2 uv(const std::optional<AccessorReader>& reader, const UvMapping& mapping, uint64_t i) {
-    if (!reader) return glm::vec2(0);
-    const glm::vec2 value = mapping.apply(reader->vec2_at(i));
-    if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
-    ++tally_.bad_uvs;
-    return glm::vec2(0);
-  }
-
-  /// Clamped as the specification demands (glTF 2.0, 3.7.2.1).
-  glm::vec4 color(uint64_t i) {
-    const glm::vec4 value =
-        colors_->components() == 3 ? glm::vec4(colors_->vec3_at(i), 1) : colors_->vec4_at(i);
-    if (!glm::any(glm::isnan(value))) return glm::clamp(value, 0.0f, 1.0f);
-    ++tally_.bad_colors;
-    return glm::vec4(1);
-  }
-
-  /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
-  void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
-    scene_.vertices.push_back({world_position, world_normal, uv(uvs_, material_uvs_.first, source)});
-    if (second_uvs_) {
-      scene_.vertex_uvs.resize(scene_.vertices.size() - 1, glm::vec2(0));
-      scene_.vertex_uvs.push_back(uv(second_uvs_, {}, source));
-    }
-    if (colors_) {
-      scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
-      scene_.vertex_colors.push_back(color(source));
-    }
-    if (tangents_) {
-      scene_.vertex_tangents.resize(scene_.vertices.size() - 1, glm::vec4(1, 0, 0, 1));
-      scene_.vertex_tangents.push_back(tangent(source, world_normal));
-    }
-  }
-
-  /// World-space tangent; a mirroring transform turns the bitangent.
-  glm::vec4 tangent(uint64_t i, const glm::vec3& world_normal) {
-    const glm::vec4 local = tangents_->vec4_at(i);
-    const glm::dvec3 world = linear_ * glm::dvec3(local);
-    const double length = glm::length(world);
-    const float sign = (local.w < 0) != is_mirrored_ ? -1.0f : 1.0f;
-    if (length > 0 && std::isfinite(length)) return {glm::vec3(world / length), sign};
-    ++tally_.bad_tangents;
-    return any_tangent(world_normal);
-  }
-
-  /// World-space unit normal; zero where the file's normal gives no direction.
-  glm::vec3 normal(uint64_t i) const {
-    const glm::dvec3 world = normal_to_world_ * glm::dvec3(normals_->vec3_at(i));
-    const double largest = std::max({std::fabs(world.x), std::fabs(world.y), std::fabs(world.z)});
-    if (!(largest > 0) || !std::isfinite(largest)) return glm::vec3(0);
-    return glm::vec3(glm::normalize(world / largest));
-  }
-
-  void add_shared_vertices() {
-    first_vertex_ = static_cast<uint32_t>(scene_.vertices.size());
-    for (uint64_t i = 0; i < positions_.count(); ++i) add_vertex(i, position(i), normal(i));
-  }
-
-  void add_smooth_triangles() {
-    for (uint64_t t = 0; t < triangles_.size(); ++t) {
-      const glm::uvec3 corner = corners(t) + first_vertex_;
-      const glm::vec3 geometric =
-          geometric_normal(scene_.vertices[corner.x].position, scene_.vertices[corner.y].position,
-                           scene_.vertices[corner.z].position);
-      if (geometric == glm::vec3(0)) {
-        ++tally_.without_area;
-        continue;
-      }
-      for (int i = 0; i < 3; ++i) {
-        glm::vec3& shading = scene_.vertices[corner[i]].normal;
-        if (shading != glm::vec3(0)) continue;
-        shading = geometric;
-        ++tally_.bad_normals;
-      }
-      add_triangle(corner);
-    }
-    // Vertices that no triangle uses still keep the promise of unit normals.
-    for (size_t i = first_vertex_; i < scene_.vertices.size(); ++i)
-      if (scene_.vertices[i].normal == glm::vec3(0)) scene_.vertices[i].normal = {0, 0, 1};
-  }
-
-  void add_flat_triangles() {
-    for (uint64_t t = 0; t < triangles_.size(); ++t) {
-      const glm::uvec3 corner = corners(t);
-      const glm::vec3 p[3] = {position(corner.x), position(corner.y), position(corner.z)};
-      const glm::vec3 geometric = geometric_normal(p[0], p[1], p[2]);
-      if (geometric == glm::vec3(0)) {
-        ++tally_.without_area;
-        continue;
-      }
-      const uint32_t first = static_cast<uint32_t>(scene_.vertices.size());
-      for (int i = 0; i < 3; ++i) add_vertex(corner[i], p[i], geometric);
-      add_triangle({first, first + 1, first + 2});
-    }
-  }
-
-  /// Corners of triangle t; a mirroring transform turns the front face away, so two corners swap.
-  glm::uvec3 corners(uint64_t t) {
-    ++tally_.triangles;
-    const glm::uvec3 corner = triangles_.at(document_, instance_, t);
-    return is_mirrored_ ? glm::uvec3(corner.x, corner.z, corner.y) : corner;
-  }
-
-  void add_triangle(const glm::uvec3& corner) {
-    scene_.triangles.push_back({corner.x, corner.y, corner.z, material_, INVALID_INDEX, instance_.place});
-  }
-
-  Document& document_;
-  const Instance& instance_;
-  Scene& scene_;
-  Tally& tally_;
-  AccessorReader positions_;
-  std::optional<AccessorReader> normals_;
-  MaterialUvs material_uvs_;
-  std::optional<AccessorReader> uvs_, second_uvs_;
-  std::optional<AccessorReader> colors_;
-  std::optional<AccessorReader> tangents_;
-  TriangleList triangles_;
-  bool is_mirrored_ = false;
-  bool needs_tangents_ = false;
-  glm::dmat3 linear_{1.0};
-  glm::dmat3 normal_to_world_{1.0};
-  uint32_t material_ = 0;
-  uint32_t first_vertex_ = 0;
-};
 
 /// Makes the colours one per vertex, or none if all are white, as many exporters write them.
 void complete_colors(Scene& scene) {
@@ -365,78 +40,161 @@ void complete_colors(Scene& scene) {
   colors.shrink_to_fit();
 }
 
-std::vector<Instance> find_instances(Document& document, const std::vector<PlacedNode>& nodes) {
-  std::vector<Instance> instances;
+void warn_of_skipped(Document& document, const std::vector<PlacedNode>& places) {
   uint64_t skipped = 0;
-  for (uint32_t place = 0; place < nodes.size(); ++place) {
-    const PlacedNode& placed = nodes[place];
-    const size_t mesh_index = static_cast<size_t>(document.model.nodes[placed.node].mesh);
-    const auto& primitives = document.model.meshes[mesh_index].primitives;
-    for (size_t i = 0; i < primitives.size(); ++i) {
-      if (is_triangle_mode(primitives[i].mode) && primitives[i].attributes.count("POSITION") != 0)
-        instances.push_back({mesh_index, i, placed.to_world, place});
-      else
-        ++skipped;
-    }
+  for (const PlacedNode& placed : places) {
+    const auto& primitives = document.model.meshes[mesh_index(document, placed)].primitives;
+    skipped += static_cast<uint64_t>(std::count_if(
+        primitives.begin(), primitives.end(), [](const auto& primitive) { return !is_drawn(primitive); }));
   }
   if (skipped != 0)
     document.warn(
         fmt::format("{} primitives are points, lines or without positions and are skipped", skipped));
-  return instances;
 }
 
-/// Counts from the accessors' headers, before anything is allocated.
-void require_memory(const Document& document, const std::vector<Instance>& instances, Scene& scene) {
-  uint64_t triangles = 0;
-  uint64_t vertices = 0;
-  bool has_colors = false;
-  for (const Instance& instance : instances) {
-    const auto& attributes = primitive_of(document, instance).attributes;
-    const AccessorReader positions(document, attributes.at("POSITION"), TINYGLTF_TYPE_VEC3,
-                                   instance_name(document, instance) + " POSITION");
-    const uint64_t primitive_triangles = TriangleList(document, instance, positions.count()).size();
-    triangles += primitive_triangles;
-    vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * primitive_triangles;
-    has_colors = has_colors || attributes.count("COLOR_0") != 0;
-    if (triangles >= (uint64_t{1} << 31) || vertices >= INVALID_INDEX)
+uint64_t memory_of_machine() {
+  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
+}
+
+bool fits_memory(const Size& size) {
+  return size.triangles < (uint64_t{1} << 31) && size.vertices < INVALID_INDEX &&
+         size.bytes() <= memory_of_machine() / 2;
+}
+
+/// Counts before anything is allocated.
+void require_memory(const Document& document, const std::vector<PrimitiveToStore>& instances, Scene& scene) {
+  Size size;
+  size.triangles = scene.triangles.size();
+  size.vertices = scene.vertices.size();
+  size.has_colors = !scene.vertex_colors.empty();
+  for (const PrimitiveToStore& instance : instances) {
+    add_size(document, instance, size);
+    if (size.triangles >= (uint64_t{1} << 31) || size.vertices >= INVALID_INDEX)
       document.fail(
           fmt::format("more than 2^31 triangles or 2^32 vertices after instancing; reduce the scene"));
   }
-  const uint64_t bytes = triangles * sizeof(interface::Triangle) +
-                         vertices * (sizeof(interface::Vertex) + (has_colors ? sizeof(glm::vec4) : 0));
-  const uint64_t memory =
-      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
-  if (bytes > memory / 2)
+  if (!fits_memory(size))
     document.fail(
         fmt::format("{} triangles need {} MiB, more than half of this machine's {} MiB; reduce the scene",
-                    triangles, bytes >> 20, memory >> 20));
-  scene.triangles.reserve(triangles);
-  scene.vertices.reserve(vertices);
+                    size.triangles, size.bytes() >> 20, memory_of_machine() >> 20));
+  scene.triangles.reserve(size.triangles);
+  scene.vertices.reserve(size.vertices);
 }
+
+/// The primitives of a mesh that can be shared, to be stored in its own space.
+std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size_t mesh) {
+  std::vector<PrimitiveToStore> result;
+  const auto& primitives = document.model.meshes[mesh].primitives;
+  for (size_t i = 0; i < primitives.size(); ++i)
+    if (is_drawn(primitives[i]) && !emits(document, primitives[i]))
+      result.push_back({mesh, i, glm::dmat4(1.0), INVALID_INDEX});
+  return result;
+}
+
+/// By mesh: whether it is stored once for its copies. Those that are, are chosen together: the gain must be
+/// worth it.
+std::vector<bool> choose_shared_meshes(const Document& document, const std::vector<PlacedNode>& places,
+                                       uint64_t sharing_gain) {
+  std::vector<uint64_t> copies(document.model.meshes.size(), 0);
+  for (const PlacedNode& placed : places) ++copies[mesh_index(document, placed)];
+  std::vector<bool> is_shared(copies.size(), false);
+  uint64_t total = 0;
+  for (size_t mesh = 0; mesh < copies.size(); ++mesh) {
+    if (copies[mesh] < 2) continue;
+    Size size;
+    const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh);
+    for (const PrimitiveToStore& primitive : primitives) add_size(document, primitive, size);
+    if (size.triangles == 0 || !fits_memory(size)) continue;
+    const uint64_t saved = (copies[mesh] - 1) * (size.bytes() + size.triangles * BYTES_IN_TREE);
+    const uint64_t cost = copies[mesh] * BYTES_OF_COPY;
+    if (sharing_gain > 0 && saved < cost + std::min(LEAST_GAIN, sharing_gain)) continue;
+    if (!fits_untransformed(document, primitives)) continue;
+    is_shared[mesh] = true;
+    total += saved > cost ? saved - cost : 0;
+  }
+  if (total < sharing_gain) is_shared.assign(is_shared.size(), false);
+  return is_shared;
+}
+
+/// Stores primitives and places copies.
+class GeometryBuilder {
+ public:
+  GeometryBuilder(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+
+  /// Stores the chosen meshes. Call before anything else is stored.
+  void store_shared_meshes(const std::vector<bool>& is_shared) {
+    stored_.resize(is_shared.size());
+    std::vector<PrimitiveToStore> all;
+    for (size_t mesh = 0; mesh < is_shared.size(); ++mesh)
+      if (is_shared[mesh])
+        for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh))
+          all.push_back(primitive);
+    require_memory(document_, all, scene_);
+    for (size_t mesh = 0; mesh < is_shared.size(); ++mesh) {
+      if (!is_shared[mesh]) continue;
+      const auto first = static_cast<uint32_t>(scene_.triangles.size());
+      for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh))
+        store_primitive(document_, primitive, scene_, tally_);
+      const SharedMesh stored{first, static_cast<uint32_t>(scene_.triangles.size()) - first};
+      if (stored.triangle_count == 0) continue;
+      stored_[mesh] = {stored, extent_of(scene_, stored)};
+      scene_.shared_meshes.push_back(stored);
+    }
+  }
+
+  /// Places copies, and stores in world space what is none.
+  void store_places(const std::vector<PlacedNode>& places) {
+    std::vector<PrimitiveToStore> rest;
+    for (uint32_t place = 0; place < places.size(); ++place) {
+      const size_t mesh = mesh_index(document_, places[place]);
+      const bool is_copy = place_copy(mesh, places[place].to_world, place);
+      const auto& primitives = document_.model.meshes[mesh].primitives;
+      for (size_t i = 0; i < primitives.size(); ++i)
+        if (is_drawn(primitives[i]) && (!is_copy || emits(document_, primitives[i])))
+          rest.push_back({mesh, i, places[place].to_world, place});
+    }
+    require_memory(document_, rest, scene_);
+    for (const PrimitiveToStore& instance : rest) store_primitive(document_, instance, scene_, tally_);
+    if (!number_instances(scene_))
+      document_.fail("more than 2^32 triangles with those of copies; reduce the scene");
+  }
+
+  const Tally& tally() const { return tally_; }
+
+ private:
+  struct Stored {
+    SharedMesh mesh{};
+    MeshExtent extent{};
+  };
+
+  bool place_copy(size_t mesh, const glm::dmat4& to_world, uint32_t place) {
+    const Stored& stored = stored_[mesh];
+    if (stored.mesh.triangle_count == 0) return false;
+    const auto copy = place_mesh(stored.mesh, stored.extent, to_world, place);
+    if (copy) scene_.instances.push_back(*copy);
+    return copy.has_value();
+  }
+
+  Document& document_;
+  Scene& scene_;
+  Tally tally_;
+  std::vector<Stored> stored_;  // by mesh of the file
+};
 
 }  // namespace
 
-void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scene& scene) {
-  const std::vector<Instance> instances = find_instances(document, place_meshes(document, nodes));
-  require_memory(document, instances, scene);
-  Tally tally;
-  for (const Instance& instance : instances) PrimitiveBuilder(document, instance, scene, tally).build();
+void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, uint64_t sharing_gain,
+                  Scene& scene) {
+  const std::vector<PlacedNode> places = place_meshes(document, nodes);
+  warn_of_skipped(document, places);
+  GeometryBuilder builder(document, scene);
+  builder.store_shared_meshes(choose_shared_meshes(document, places, sharing_gain));
+  builder.store_places(places);
   complete_colors(scene);
   if (!scene.vertex_uvs.empty()) scene.vertex_uvs.resize(scene.vertices.size(), glm::vec2(0));
   if (!scene.vertex_tangents.empty())
     scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
-  if (tally.without_area != 0)
-    document.warn(
-        fmt::format("{} of {} triangles have no area and were dropped", tally.without_area, tally.triangles));
-  if (tally.bad_normals != 0)
-    document.warn(
-        fmt::format("{} vertex normals have no direction; geometric normals are used", tally.bad_normals));
-  if (tally.bad_uvs != 0)
-    document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
-  if (tally.bad_tangents != 0)
-    document.warn(fmt::format("{} tangents have no direction; others are used", tally.bad_tangents));
-  if (tally.bad_colors != 0)
-    document.warn(fmt::format("{} vertex colours are not numbers; white is used", tally.bad_colors));
+  warn_of(builder.tally(), document);
 }
 
 }  // namespace regulus::scene

@@ -1,4 +1,4 @@
-// Meshes to world-space triangles.
+// Meshes to triangles: in world space, or once for many copies.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,11 @@
 
 namespace regulus::scene {
 
-/// Appends the triangles of all placed meshes to `scene`. Triangle::material is the glTF index, or
-/// model.materials.size() for primitives without a material.
+/// Adds the triangles of all placed meshes to `scene`, and the copies of those meshes that are stored once:
+/// together they save at least `sharing_gain` bytes (see LoadOptions). Triangle::material is the glTF index,
+/// or model.materials.size() for primitives without a material.
 /// @throws Error on broken primitives, non-finite positions, and scenes that do not fit into memory.
-void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, Scene& scene);
+void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, uint64_t sharing_gain,
+                  Scene& scene);
 
 }  // namespace regulus::scene

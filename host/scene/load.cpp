@@ -2,6 +2,7 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <limits>
 #include <new>
 
 #include "base/error.hpp"
@@ -11,6 +12,7 @@
 #include "scene/instancing.hpp"
 #include "scene/material.hpp"
 #include "scene/nodes.hpp"
+#include "scene/placement.hpp"
 #include "scene/punctual.hpp"
 #include "scene/scene.hpp"
 #include "scene/schema.hpp"
@@ -66,12 +68,19 @@ void read_settings(Document& document, size_t scene_index, Scene& scene) {
 }
 
 void set_bounds(Scene& scene) {
-  scene.bounds_min = scene.bounds_max = scene.vertices[scene.triangles.front().v0].position;
-  for (const interface::Triangle& triangle : scene.triangles)
+  scene.bounds_min = glm::vec3(std::numeric_limits<float>::infinity());
+  scene.bounds_max = -scene.bounds_min;
+  for (size_t i = first_placed_triangle(scene); i < scene.triangles.size(); ++i) {
+    const interface::Triangle& triangle = scene.triangles[i];
     for (const uint32_t vertex : {triangle.v0, triangle.v1, triangle.v2}) {
       scene.bounds_min = glm::min(scene.bounds_min, scene.vertices[vertex].position);
       scene.bounds_max = glm::max(scene.bounds_max, scene.vertices[vertex].position);
     }
+  }
+  for (const auto& [lower, upper] : instance_bounds(scene)) {
+    scene.bounds_min = glm::min(scene.bounds_min, lower);
+    scene.bounds_max = glm::max(scene.bounds_max, upper);
+  }
 }
 
 Inventory take_inventory(const Document& document, const std::vector<PlacedNode>& nodes) {
@@ -89,6 +98,7 @@ std::string describe(const LoadOptions& options) {
   std::string text;
   if (options.scene) text += fmt::format("scene {} ", *options.scene);
   if (options.environment.rotation) text += fmt::format("rotation {} ", *options.environment.rotation);
+  if (options.sharing_gain != SHARING_GAIN) text += fmt::format("sharing gain {} ", options.sharing_gain);
   if (options.environment.scale) text += fmt::format("scale {} ", *options.environment.scale);
   return text;
 }
@@ -100,7 +110,7 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
 
   Scene scene;
   scene.path = path;
-  add_geometry(document, nodes, scene);
+  add_geometry(document, nodes, options.sharing_gain, scene);
   if (scene.triangles.empty())
     document.fail("nothing to render: the scene has no triangle; choose another scene or file");
   set_bounds(scene);

@@ -279,6 +279,11 @@ bool needs_tangents(const tinygltf::Material& material) {
   return is_anisotropic || material.normalTexture.index >= 0;
 }
 
+bool may_emit(const tinygltf::Material& material) {
+  const auto& factor = material.emissiveFactor;
+  return is_unlit(material) || std::any_of(factor.begin(), factor.end(), [](double x) { return x != 0; });
+}
+
 void add_materials(Document& document, Scene& scene) {
   const auto& sources = document.model.materials;
   std::vector<bool> is_used(sources.size() + 1, false);

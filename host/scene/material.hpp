@@ -9,6 +9,9 @@ namespace regulus::scene {
 /// True if shading a material needs tangents.
 bool needs_tangents(const tinygltf::Material& material);
 
+/// False only if nothing that has the material emits light.
+bool may_emit(const tinygltf::Material& material);
+
 /// Fills Scene::materials (same indices as the file; one more, glTF's default material, if a triangle uses
 /// it) and the textures of those that triangles use. Call after add_geometry.
 /// @throws Error on values without meaning and on unreadable images.

@@ -1,5 +1,5 @@
-// The renderer's own scene: flattened world-space geometry, materials, textures, lights and cameras, in the
-// structs that kernels and the scalar reference read (shaders/interface/scene.h).
+// The renderer's own scene: world-space geometry and meshes with their copies, materials, textures, lights
+// and cameras, in the structs that kernels and the scalar reference read (shaders/interface/scene.h).
 #pragma once
 
 #include <cstdint>
@@ -39,6 +39,12 @@ struct Inventory {
   std::vector<std::string> extensions_ignored;  ///< of extensionsUsed
 };
 
+/// A mesh that is stored once for several copies: consecutive triangles of Scene::triangles, in the mesh's
+/// space.
+struct SharedMesh {
+  uint32_t first_triangle, triangle_count;
+};
+
 /// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
 /// triangle has zero area (they are dropped with a warning).
 struct Scene {
@@ -47,7 +53,12 @@ struct Scene {
   std::vector<glm::vec4> vertex_colors;    ///< one per vertex, linear RGBA in [0, 1]; empty: all white
   std::vector<glm::vec2> vertex_uvs;       ///< one per vertex: second texture coordinates; empty: not needed
   std::vector<glm::vec4> vertex_tangents;  ///< one per vertex, see Frame; empty: no material needs them
-  std::vector<interface::Triangle> triangles;  ///< `light` is filled by build_lights
+  /// `light` is filled by build_lights. First those of the shared meshes.
+  std::vector<interface::Triangle> triangles;
+  std::vector<SharedMesh> shared_meshes;       ///< one after the other from triangle 0 on; none of them emits
+  std::vector<interface::Instance> instances;  ///< their copies; `root` is filled by build_for_scene
+  std::vector<uint32_t> instance_blocks;       ///< the copy of each block of numbers, see interface::Instance
+  uint32_t instance_block_shift = 0;           ///< blocks are 2^this numbers long
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;
   std::vector<interface::Texture> textures;
@@ -72,18 +83,24 @@ struct EnvironmentOptions {
   std::optional<double> scale;     ///< factor on the radiance, >= 0
 };
 
+/// Bytes that must be gained for copies of meshes to share one stored mesh: rays are slower through copies.
+inline constexpr uint64_t SHARING_GAIN = uint64_t{64} << 20;
+
+inline constexpr uint64_t NEVER_SHARE = std::numeric_limits<uint64_t>::max();
+
 struct LoadOptions {
   std::optional<uint32_t> scene;  ///< index; empty: the file's default scene
   bool allow_external = false;    ///< URIs outside the scene's folder
   EnvironmentOptions environment{};
+  uint64_t sharing_gain = SHARING_GAIN;  ///< bytes; 0: whatever is placed twice is shared
 };
 
 /// Reads a .gltf or .glb file.
 /// @throws regulus::Error (BadFile) with one line: file, offending element, what to do.
 Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 
-/// Renumbers the triangles: new triangle i is old triangle order[i] (order is a permutation). Call before
-/// build_lights.
+/// Renumbers the stored triangles: new triangle i is old triangle order[i] (order is a permutation, also of
+/// each shared mesh). Call before build_lights.
 void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 
 /// Appends a light per emissive triangle and the environment to the punctual lights, fills selection

@@ -12,14 +12,17 @@ REGULUS_CONSTANT BVH_MAX_DEPTH = 24u;
 // Most triangles in a leaf.
 REGULUS_CONSTANT BVH_MAX_LEAF_SIZE = 4u;
 
-// A reference to a child: BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a
+// A reference to a child: BVH_INSTANCE_BIT | the index of the instance that is the leaf, BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a
 // leaf, the node's index otherwise (below 2^24, for the stack packs it with an 8-bit mask).
 REGULUS_CONSTANT BVH_LEAF_BIT = 0x80000000u;
 REGULUS_CONSTANT BVH_LEAF_COUNT_SHIFT = 29u;
 REGULUS_CONSTANT BVH_LEAF_FIRST_MASK = 0x1FFFFFFFu;
 REGULUS_CONSTANT BVH_MAX_NODES = 1u << 24;
+REGULUS_CONSTANT BVH_INSTANCE_BIT = 0x40000000u;
+REGULUS_CONSTANT BVH_MAX_INSTANCES = 1u << 24;
 
-// A node. Plane q of an axis lies at origin + q * 2^(e - 127), e the axis' byte of `exponents` (x lowest).
+// A node. Plane q of an axis lies at origin + q * 2^(e - 127), e the axis' byte of `exponents` (x lowest; bits of the
+// fourth byte: which slots have a child).
 // planes[4 axis + 0..1] hold the eight children's lower planes, [4 axis + 2..3] the upper ones, one byte
 // each. The decoded box contains the child with a margin that covers the rounding of the slab test. Bit k of
 // a child's slot tends to be set where the child lies at the upper end of axis k, so that for a ray that runs
@@ -33,7 +36,7 @@ struct BvhNode {
 };
 REGULUS_LAYOUT(BvhNode, 96);
 
-// A triangle in leaf order: world-space vertices as given (watertight edge tests need the vertices
+// A triangle in leaf order: vertices as given, in world space or that of a mesh with instances (watertight edge tests need the vertices
 // themselves, not edge vectors) and a tag that traversal returns with the hit (its meaning is the caller's:
 // Regulus puts the material class in the low 8 bits).
 struct BvhTriangle {
@@ -46,7 +49,7 @@ REGULUS_LAYOUT(BvhTriangle, 40);
 struct Hit {
   float t;  // distance along the (unit) ray direction
   float u, v;
-  uint triangle;  // INVALID_INDEX: no hit
+  uint triangle;  // its number (see Instance); INVALID_INDEX: no hit
 };
 REGULUS_LAYOUT(Hit, 16);
 

@@ -7,7 +7,7 @@
 
 REGULUS_INTERFACE_BEGIN
 
-// World-space vertex. `normal` is unit length; flat-shaded triangles own their vertices and carry the
+// Vertex in world space, or in that of its mesh if the mesh has instances. `normal` is unit length; flat-shaded triangles own their vertices and carry the
 // geometric normal in them.
 struct Vertex {
   vec3 position;
@@ -26,6 +26,24 @@ struct Triangle {
   uint instance;  // place of a mesh in the scene, counted from 0 in the order of its nodes
 };
 REGULUS_LAYOUT(Triangle, 24);
+
+// A copy of a mesh that is stored once. A vertex v of the mesh stands at x_axis * v.x + y_axis * v.y + z_axis * v.z +
+// translation, summed from the left in single precision, in traversal and shading alike: what rays meet is that triangle
+// in world space, as if it were stored.
+// Numbers of triangles: a stored triangle that stands for itself has its index. The copies' triangles follow behind all
+// stored ones, each copy's in the order in which its mesh's are stored, from `first_number` on. Blocks of numbers belong
+// to one copy each: Frame.instance_blocks.
+struct Instance {
+  vec3 x_axis, y_axis, z_axis, translation;
+  vec3 inverse_x, inverse_y, inverse_z;  // rows of the inverse of the matrix of the axes
+  vec3 reach;           // m: |x_axis| |v.x| + |y_axis| |v.y| + |z_axis| |v.z| + |translation| is less for all vertices
+  uint root;            // node of the mesh's tree
+  uint first_triangle;  // of the mesh
+  uint first_number;    // of the copy's triangles
+  uint place;           // Triangle.instance of its triangles
+  uint is_mirrored;     // 1: corners 1 and 2 change places, which keeps the front in front
+};
+REGULUS_LAYOUT(Instance, 116);
 
 // Material flags.
 REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scattering never depends on it

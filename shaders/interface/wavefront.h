@@ -92,6 +92,7 @@ REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotro
 REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;  // some texture is TEXTURE_MAPPED
 REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
 REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;        // some texture reads the vertices' second coordinates
+REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;      // some mesh is stored once for several copies
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -274,6 +275,8 @@ struct Frame {
   DeviceAddress vertex_uvs;      // vec2 per vertex: second texture coordinates; only with FEATURE_SECOND_UVS
   DeviceAddress vertex_tangents; // vec4 per vertex: unit tangent, sign of the bitangent; only if a material needs them
   DeviceAddress triangles;
+  DeviceAddress instances;        // only with FEATURE_INSTANCES
+  DeviceAddress instance_blocks;  // with it: the instance of each block of numbers of triangles
   DeviceAddress materials;
   DeviceAddress textures;
   DeviceAddress texels;
@@ -347,9 +350,10 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
-  uint reserved;
+  uint stored_triangles;       // numbers from here on are those of instances
+  uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
 };
-REGULUS_LAYOUT(Frame, 632);
+REGULUS_LAYOUT(Frame, 652);
 
 // Push constants of every stage.
 struct StageArguments {

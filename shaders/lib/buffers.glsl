@@ -21,6 +21,7 @@ REGULUS_BUFFER(Vec4Buffer, vec4);
 REGULUS_BUFFER(FrameBuffer, Frame);
 REGULUS_BUFFER(VertexBuffer, Vertex);
 REGULUS_BUFFER(TriangleBuffer, Triangle);
+REGULUS_BUFFER(InstanceBuffer, Instance);
 REGULUS_BUFFER(MaterialBuffer, Material);
 REGULUS_BUFFER(TextureBuffer, Texture);
 REGULUS_BUFFER(LightBuffer, Light);

@@ -5,6 +5,7 @@
 #define REGULUS_LIB_FOOTPRINT_GLSL
 
 #include "lib/camera.glsl"
+#include "lib/instances.glsl"
 #include "lib/mis.glsl"
 #include "lib/regularization.glsl"
 
@@ -62,11 +63,11 @@ float mean_curvature(Vertex v0, Vertex v1, Vertex v2) {
   return side * clamp(0.5 * trace, -1.0, 1.0) / longest;
 }
 
-float curvature_at(Frame frame, uint triangle_index) {
+float curvature_at(Frame frame, uint triangle_number) {
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 0.0;
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
-  return mean_curvature(LOAD(VertexBuffer, frame.vertices, triangle.v0), LOAD(VertexBuffer, frame.vertices, triangle.v1),
-                        LOAD(VertexBuffer, frame.vertices, triangle.v2));
+  PlacedTriangle placed = placed_triangle(frame, triangle_number);
+  return mean_curvature(placed_vertex(frame, placed, placed.triangle.v0), placed_vertex(frame, placed, placed.triangle.v1),
+                        placed_vertex(frame, placed, placed.triangle.v2));
 }
 
 // After scattering by `event` at a surface of mean curvature `curvature`.

@@ -4,6 +4,7 @@
 #define REGULUS_LIB_GEOMETRY_GLSL
 
 #include "lib/buffers.glsl"
+#include "lib/instances.glsl"
 #include "lib/specialization.glsl"
 
 // The next float away from zero in the direction of `sign_of`'s sign, componentwise (Pharr et al., PBR 4ed,
@@ -97,11 +98,13 @@ struct Surface {
   float area;  // of the triangle, m^2
 };
 
-Surface surface_at(Frame frame, uint triangle_index, vec2 barycentrics) {
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
-  Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
-  Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
-  Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
+// triangle_number: see interface::Instance.
+Surface surface_at(Frame frame, uint triangle_number, vec2 barycentrics) {
+  PlacedTriangle placed = placed_triangle(frame, triangle_number);
+  Triangle triangle = placed.triangle;
+  Vertex v0 = placed_vertex(frame, placed, triangle.v0);
+  Vertex v1 = placed_vertex(frame, placed, triangle.v1);
+  Vertex v2 = placed_vertex(frame, placed, triangle.v2);
   SurfacePoint point = point_on_triangle(v0.position, v1.position, v2.position, barycentrics);
 
   Surface surface;

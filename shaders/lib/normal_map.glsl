@@ -10,20 +10,20 @@
 const float MIN_MAPPED_COS = 0.01;
 
 // Tangent between the vertices, not normalized; w: 1 or -1, sign of the bitangent w cross(normal, tangent).
-vec4 vertex_tangent(Frame frame, Triangle triangle, vec2 barycentrics) {
-  vec4 t0 = LOAD(Vec4Buffer, frame.vertex_tangents, triangle.v0);
-  vec3 t1 = LOAD(Vec4Buffer, frame.vertex_tangents, triangle.v1).xyz;
-  vec3 t2 = LOAD(Vec4Buffer, frame.vertex_tangents, triangle.v2).xyz;
+vec4 vertex_tangent(Frame frame, PlacedTriangle placed, vec2 barycentrics) {
+  vec4 t0 = placed_tangent(frame, placed, placed.triangle.v0);
+  vec3 t1 = placed_tangent(frame, placed, placed.triangle.v1).xyz;
+  vec3 t2 = placed_tangent(frame, placed, placed.triangle.v2).xyz;
   return vec4((1.0 - barycentrics.x - barycentrics.y) * t0.xyz + barycentrics.x * t1 + barycentrics.y * t2, t0.w);
 }
 
 // Unit shading normal of the front side.
-vec3 mapped_normal(Frame frame, uint triangle_index, vec2 barycentrics, Surface surface, Material material) {
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
-  vec3 normal = (1.0 - barycentrics.x - barycentrics.y) * LOAD(VertexBuffer, frame.vertices, triangle.v0).normal +
-                barycentrics.x * LOAD(VertexBuffer, frame.vertices, triangle.v1).normal +
-                barycentrics.y * LOAD(VertexBuffer, frame.vertices, triangle.v2).normal;
-  vec4 tangent = vertex_tangent(frame, triangle, barycentrics);
+vec3 mapped_normal(Frame frame, uint triangle_number, vec2 barycentrics, Surface surface, Material material) {
+  PlacedTriangle placed = placed_triangle(frame, triangle_number);
+  vec3 normal = (1.0 - barycentrics.x - barycentrics.y) * placed_vertex(frame, placed, placed.triangle.v0).normal +
+                barycentrics.x * placed_vertex(frame, placed, placed.triangle.v1).normal +
+                barycentrics.y * placed_vertex(frame, placed, placed.triangle.v2).normal;
+  vec4 tangent = vertex_tangent(frame, placed, barycentrics);
   vec3 map = sample_texture(frame.textures, frame.texels, material.normal_texture, surface.uv).xyz * 2.0 - 1.0;
   map.xy *= material.normal_scale;
   vec3 mapped = map.x * tangent.xyz + (map.y * tangent.w) * cross(normal, tangent.xyz) + map.z * normal;

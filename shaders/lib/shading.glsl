@@ -62,7 +62,7 @@ vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
 
 // Turns the local axes so that the tangent runs along the direction in which the material's roughness is stretched.
 // Applies the anisotropy texture.
-void align_with_anisotropy(Frame frame, uint triangle_index, vec2 barycentrics, inout ShadingPoint point) {
+void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics, inout ShadingPoint point) {
   vec2 direction = point.material.anisotropy_direction;
   if ((spec_features & FEATURE_TEXTURES) != 0u && point.material.anisotropy_texture != INVALID_INDEX) {
     vec3 texel = sample_texture(frame.textures, frame.texels, point.material.anisotropy_texture, point.surface.uv).xyz;
@@ -70,8 +70,7 @@ void align_with_anisotropy(Frame frame, uint triangle_index, vec2 barycentrics, 
     direction = vec2(direction.x * turned.x - direction.y * turned.y, direction.x * turned.y + direction.y * turned.x);
     point.material.anisotropy *= texel.z;
   }
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, triangle_index);
-  vec4 tangent = vertex_tangent(frame, triangle, barycentrics);
+  vec4 tangent = vertex_tangent(frame, placed_triangle(frame, triangle_number), barycentrics);
   vec3 bitangent = tangent.w * cross(point.surface.shading_normal, tangent.xyz);
   vec3 along = direction.x * tangent.xyz + direction.y * bitangent;
   along -= dot(along, point.normal) * point.normal;

@@ -16,11 +16,15 @@
 #endif
 
 #include "interface/wavefront.h"
+#include "lib/placement.glsl"
 
-// Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction). lib/alpha.glsl,
-// if it was included before, knows; otherwise all surfaces are whole.
+// Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction), and the instance
+// of an index. lib/alpha.glsl, if it was included before, knows; otherwise all surfaces are whole and stored in place.
 #ifndef TRAVERSAL_IS_COVERED
 #define TRAVERSAL_IS_COVERED(tag, triangle, barycentrics, origin, direction) true
+#define TRAVERSAL_HAS_INSTANCES false
+#define TRAVERSAL_INSTANCE(index) Instance(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), \
+                                           vec3(0.0), 0u, 0u, 0u, 0u, 0u)
 #endif
 
 // Rays that were given up because they reached TRAVERSAL_MAX_STEPS; the hit found so far is returned.
@@ -32,6 +36,15 @@ const uint TRAVERSAL_MAX_STEPS = 16384u;
 
 // Nothing left to visit.
 const uint TRAVERSAL_DONE = 0xFFFFFFFFu;
+// Nothing left to visit in the instance at hand. With it all references from BVH_INSTANCE_BIT to BVH_LEAF_BIT are taken.
+const uint TRAVERSAL_LEAVE = BVH_LEAF_BIT - 1u;
+// TraversalRay.instance_floor outside of instances.
+const uint TRAVERSAL_NO_FLOOR = 0xFFFFFFFFu;
+
+// Error of an instance's ray in its mesh's space, in units of |inverse| (|origin - translation| + reach): nine roundings.
+// Five of each coordinate of a vertex on its way to world space; of the ray's origin one of the difference, one of the
+// inverse and three of the product; and four of its direction at the distance of the vertex.
+const float TRAVERSAL_INSTANCE_ERROR = 12.0 / 16777216.0;
 
 // Direction components are kept this far from zero in the slab test: finite reciprocals, and a shift of the
 // ray that stays within the margin of the boxes.
@@ -84,9 +97,16 @@ struct TraversalGroup {
   uint rest;
 };
 
-// What is constant along a ray.
+// What is constant along a ray, and along its way through an instance. Boxes are met in the space of the instance's mesh,
+// by the ray that has the same distances there as in the world; triangles, whose vertices are taken to the world, there.
 struct TraversalRay {
   vec3 origin;
+  vec3 box_origin;        // origin as boxes see it
+  vec3 slack;             // how far t of the boxes' planes may be wrong, for instances
+  uint instance_floor;    // height of the stack below the instance at hand
+  uint number_offset;     // of triangles: number - index
+  bool is_mirrored;
+  vec3 x_axis, y_axis, z_axis, translation;  // see Instance
   vec3 inverse_direction;
   vec3 inverse_direction_far;
   uint order;        // children are visited by ascending slot ^ order
@@ -109,16 +129,35 @@ float traversal_safe_component(float d) {
   return abs(d) < TRAVERSAL_MIN_DIRECTION ? least : d;
 }
 
-TraversalRay traversal_ray(vec3 origin, vec3 direction, bool is_far_first) {
-  TraversalRay ray;
-  ray.origin = origin;
+// Sets what concerns boxes. The direction need not be of unit length.
+void traversal_set_boxes(vec3 origin, vec3 direction, inout TraversalRay ray) {
+  ray.box_origin = origin;
   vec3 safe = vec3(traversal_safe_component(direction.x), traversal_safe_component(direction.y),
                    traversal_safe_component(direction.z));
   ray.inverse_direction = 1.0 / safe;
   ray.inverse_direction_far = ray.inverse_direction * TRAVERSAL_FAR_SCALE;
   uint octant = (safe.x < 0.0 ? 1u : 0u) | (safe.y < 0.0 ? 2u : 0u) | (safe.z < 0.0 ? 4u : 0u);
-  ray.order = is_far_first ? octant ^ 7u : octant;
+  ray.order = ray.is_far_first ? octant ^ 7u : octant;
+}
+
+// In the world, where no vertex needs to be moved.
+void traversal_set_world(vec3 origin, vec3 direction, inout TraversalRay ray) {
+  traversal_set_boxes(origin, direction, ray);
+  ray.slack = vec3(0.0);
+  ray.instance_floor = TRAVERSAL_NO_FLOOR;
+  ray.number_offset = 0u;
+  ray.is_mirrored = false;
+  ray.x_axis = vec3(1.0, 0.0, 0.0);
+  ray.y_axis = vec3(0.0, 1.0, 0.0);
+  ray.z_axis = vec3(0.0, 0.0, 1.0);
+  ray.translation = vec3(0.0);
+}
+
+TraversalRay traversal_ray(vec3 origin, vec3 direction, bool is_far_first) {
+  TraversalRay ray;
+  ray.origin = origin;
   ray.is_far_first = is_far_first;
+  traversal_set_world(origin, direction, ray);
   vec3 size = abs(direction);
   ray.x_is_longest = size.x > size.y && size.x >= size.z;
   ray.y_is_longest = !ray.x_is_longest && size.y > size.z;
@@ -165,18 +204,45 @@ struct TraversalVisit {
   uint rest;
 };
 
+// Sets the ray up for an instance's tree above the given height of the stack and returns the tree's root.
+uint traversal_enter(Instance instance, vec3 origin, vec3 direction, uint stack_size, inout TraversalRay ray) {
+  vec3 from = origin - instance.translation;
+  vec3 size = abs(from) + instance.reach;
+  traversal_set_boxes(
+      vec3(dot(instance.inverse_x, from), dot(instance.inverse_y, from), dot(instance.inverse_z, from)),
+      vec3(dot(instance.inverse_x, direction), dot(instance.inverse_y, direction), dot(instance.inverse_z, direction)), ray);
+  vec3 error = vec3(dot(abs(instance.inverse_x), size), dot(abs(instance.inverse_y), size),
+                    dot(abs(instance.inverse_z), size));
+  ray.slack = (TRAVERSAL_INSTANCE_ERROR * error) * abs(ray.inverse_direction);
+  ray.instance_floor = stack_size;
+  ray.number_offset = instance.first_number - instance.first_triangle;
+  ray.is_mirrored = instance.is_mirrored != 0u;
+  ray.x_axis = instance.x_axis;
+  ray.y_axis = instance.y_axis;
+  ray.z_axis = instance.z_axis;
+  ray.translation = instance.translation;
+  return instance.root;
+}
+
 // Tests the eight children of a node against [0, t_max].
 TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray, float t_max) {
 #define NODE_PAIR(i) TRAVERSAL_UNPACK(TraversalNodes(nodes).nodes[index].pairs[i])
   uvec2 head_xy = NODE_PAIR(0);
   uvec2 head_z = NODE_PAIR(1);
-  vec3 offset = uintBitsToFloat(uvec3(head_xy, head_z.x)) - ray.origin;
+  vec3 offset = uintBitsToFloat(uvec3(head_xy, head_z.x)) - ray.box_origin;
   uint exponents = head_z.y;
   vec3 quantum = uintBitsToFloat(uvec3(exponents << 23, exponents << 15, exponents << 7) & 0x7F800000u);
   vec3 near_scale = quantum * ray.inverse_direction;
   vec3 near_offset = offset * ray.inverse_direction;
   vec3 far_scale = quantum * ray.inverse_direction_far;
   vec3 far_offset = offset * ray.inverse_direction_far;
+  // So much slack can make an empty slot, whose planes are the wrong way round, a hit.
+  uint occupied = 0xFFu;
+  if (TRAVERSAL_HAS_INSTANCES) {
+    near_offset -= ray.slack;
+    far_offset += ray.slack * TRAVERSAL_FAR_SCALE;
+    occupied = exponents >> 24;
+  }
 
   uvec2 lower_x = NODE_PAIR(2), upper_x = NODE_PAIR(3);
   uvec2 lower_y = NODE_PAIR(4), upper_y = NODE_PAIR(5);
@@ -198,7 +264,7 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
     float t_far = min(min(traversal_plane(far_x, slot) * far_scale.x + far_offset.x,                        \
                           traversal_plane(far_y, slot) * far_scale.y + far_offset.y),                       \
                       min(traversal_plane(far_z, slot) * far_scale.z + far_offset.z, t_max));               \
-    bool is_met = t_near <= t_far;                                                                          \
+    bool is_met = t_near <= t_far && (!TRAVERSAL_HAS_INSTANCES || (occupied & (1u << slot)) != 0u);         \
     keys[slot] = is_met ? traversal_key(ray, t_near, t_far, slot) : TRAVERSAL_DONE;                         \
     mask |= is_met ? 1u << (slot ^ ray.order) : 0u;                                                         \
   }
@@ -242,9 +308,19 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   uvec2 w0 = TRIANGLE_PAIR(0), w1 = TRIANGLE_PAIR(1), w2 = TRIANGLE_PAIR(2);
   uvec2 w3 = TRIANGLE_PAIR(3), w4 = TRIANGLE_PAIR(4);
 #undef TRIANGLE_PAIR
-  vec3 a = traversal_exchange(ray, uintBitsToFloat(uvec3(w0, w1.x)) - ray.origin);
-  vec3 b = traversal_exchange(ray, uintBitsToFloat(uvec3(w1.y, w2)) - ray.origin);
-  vec3 c = traversal_exchange(ray, uintBitsToFloat(uvec3(w3, w4.x)) - ray.origin);
+  vec3 v0 = uintBitsToFloat(uvec3(w0, w1.x));
+  vec3 v1 = uintBitsToFloat(uvec3(w1.y, w2));
+  vec3 v2 = uintBitsToFloat(uvec3(w3, w4.x));
+  if (TRAVERSAL_HAS_INSTANCES) {
+    // In the world this changes nothing: products with 1 and 0 and their sums are exact.
+    vec3 second = ray.is_mirrored ? v2 : v1, third = ray.is_mirrored ? v1 : v2;
+    v0 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, v0);
+    v1 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, second);
+    v2 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, third);
+  }
+  vec3 a = traversal_exchange(ray, v0 - ray.origin);
+  vec3 b = traversal_exchange(ray, v1 - ray.origin);
+  vec3 c = traversal_exchange(ray, v2 - ray.origin);
   tag = w4.y;
 
   vec2 a_sheared = traversal_shear(a, ray.shear);
@@ -268,19 +344,21 @@ uint traversal_child(DeviceAddress nodes, uint node, uint slot) {
 }
 
 // Takes the next child off the group, or off the topmost group of the stack whose children are not all beyond
-// t_max. Returns its reference or TRAVERSAL_DONE.
+// t_max. Returns its reference or TRAVERSAL_DONE; in an instance, if there is none above its floor, TRAVERSAL_LEAVE.
 uint traversal_next(DeviceAddress nodes, TraversalRay ray, float t_max, const bool any_hit,
                     inout TraversalGroup group, inout uint stack_size) {
   // The far-first order of any-hit rays has no distances in its keys, and their t_max never shrinks.
   if (!any_hit && traversal_key_distance(group.rest) > t_max) group.node_and_mask = 0u;
-  while ((group.node_and_mask & 0xFFu) == 0u && stack_size > 0u) {
+  uint least_size = TRAVERSAL_HAS_INSTANCES && ray.instance_floor != TRAVERSAL_NO_FLOOR ? ray.instance_floor : 0u;
+  while ((group.node_and_mask & 0xFFu) == 0u && stack_size > least_size) {
     --stack_size;
     uvec2 top = TRAVERSAL_UNPACK(TRAVERSAL_STACK(stack_size));
     group = TraversalGroup(top.x, top.y);
     if (!any_hit && traversal_key_distance(group.rest) > t_max) group.node_and_mask = 0u;
   }
   uint children = group.node_and_mask & 0xFFu;
-  if (children == 0u) return TRAVERSAL_DONE;
+  if (children == 0u)
+    return TRAVERSAL_HAS_INSTANCES && ray.instance_floor != TRAVERSAL_NO_FLOOR ? TRAVERSAL_LEAVE : TRAVERSAL_DONE;
   uint nearest = 1u << ((group.rest & TRAVERSAL_KEY_SLOT) ^ ray.order);
   uint bit = (children & nearest) != 0u ? nearest : children & (0u - children);
   group.node_and_mask ^= bit;
@@ -304,6 +382,22 @@ uint traversal_descend(DeviceAddress nodes, uint node, TraversalVisit visit, Tra
   return traversal_child(nodes, node, slot);
 }
 
+// Goes on where the ray enters an instance (reference `next`) or has left one (TRAVERSAL_LEAVE); returns the next reference.
+uint traversal_change_space(DeviceAddress nodes, uint next, vec3 origin, vec3 direction, float t_max, const bool any_hit,
+                            inout TraversalRay ray, inout TraversalGroup group, inout uint stack_size) {
+  if (next == TRAVERSAL_LEAVE) {
+    traversal_set_world(origin, direction, ray);
+    return traversal_next(nodes, ray, t_max, any_hit, group, stack_size);
+  }
+  if ((group.node_and_mask & 0xFFu) != 0u) {
+    TRAVERSAL_STACK(stack_size) = TRAVERSAL_PACK(uvec2(group.node_and_mask, group.rest));
+    ++stack_size;
+  }
+  group = TraversalGroup(0u, 0u);
+  Instance instance = TRAVERSAL_INSTANCE(next ^ BVH_INSTANCE_BIT);
+  return traversal_enter(instance, origin, direction, stack_size, ray);
+}
+
 // The traversal both queries share. With `any_hit` it ends at the first hit found.
 Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
                   const bool any_hit, out uint tag) {
@@ -319,11 +413,15 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
   TraversalVisit root = traversal_visit(nodes, 0u, ray, limit);
   uint next = traversal_descend(nodes, 0u, root, ray, limit, any_hit, group, stack_size);
   while (next != TRAVERSAL_DONE) {
-    while (next < BVH_LEAF_BIT) {
+    while (next < (TRAVERSAL_HAS_INSTANCES ? BVH_INSTANCE_BIT : BVH_LEAF_BIT)) {
       TraversalVisit visit = traversal_visit(nodes, next, ray, limit);
       next = traversal_descend(nodes, next, visit, ray, limit, any_hit, group, stack_size);
       ++steps;
       if (steps >= TRAVERSAL_MAX_STEPS) break;
+    }
+    if (TRAVERSAL_HAS_INSTANCES && next >= BVH_INSTANCE_BIT && next < BVH_LEAF_BIT) {
+      next = traversal_change_space(nodes, next, origin, direction, limit, any_hit, ray, group, stack_size);
+      ++steps;
     }
     if (next != TRAVERSAL_DONE && next >= BVH_LEAF_BIT) {
       uint first = next & BVH_LEAF_FIRST_MASK;
@@ -332,8 +430,8 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
         vec3 tuv;
         uint triangle_tag;
         if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag) &&
-            TRAVERSAL_IS_COVERED(triangle_tag, i, tuv.yz, origin, direction)) {
-          hit = Hit(tuv.x, tuv.y, tuv.z, i);
+            TRAVERSAL_IS_COVERED(triangle_tag, i + ray.number_offset, tuv.yz, origin, direction)) {
+          hit = Hit(tuv.x, tuv.y, tuv.z, i + ray.number_offset);
           tag = triangle_tag;
           if (any_hit) i = end;
         }
@@ -351,7 +449,7 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
   return hit;
 }
 
-// The first hit with t in (0, t_max] along origin + t * direction, and its triangle's tag. On a miss the
+// The first hit with t in (0, t_max] along origin + t * direction, its triangle's number and tag. On a miss the
 // triangle is INVALID_INDEX. A ray that is not finite or has no direction misses.
 Hit trace_closest(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
                   out uint tag) {

@@ -118,7 +118,7 @@ void main() {
       shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
   gatherer.vertex = camera;
   // Both subpaths met the surface with the probability of its coverage, of which the path has one factor.
-  Triangle triangle = LOAD(TriangleBuffer, frame.triangles, camera.triangle);
+  Triangle triangle = placed_triangle(frame, camera.triangle).triangle;
   gatherer.vertex.throughput /= max(coverage_at(frame, triangle, camera.barycentrics), MIN_COVERAGE);
   gatherer.edges = camera.edges & PATH_VERTEX_EDGES;
   gatherer.pixel = path.pixel & PATH_PIXEL;

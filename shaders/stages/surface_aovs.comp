@@ -48,7 +48,7 @@ void main() {
       result.position = point.surface.position;
       result.depth = dot(result.position - frame.camera.position, frame.camera.forward);
       result.material = point.surface.material;
-      result.instance = LOAD(TriangleBuffer, frame.triangles, hit.triangle).instance;
+      result.instance = placed_triangle(frame, hit.triangle).triangle.instance;
     } else {
       result.albedo += albedo_of(frame, point) / float(AOV_RAYS);
       result.shading_normal += point.normal / float(AOV_RAYS);

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "check/check.hpp"
+#include "images/support/copies.hpp"
 #include "images/support/prepared_scene.hpp"
 #include "images/support/render_scene.hpp"
 
@@ -136,6 +137,13 @@ TEST(DeviceStagesTextures, AgreeWithTheReference) {
     Checked checked(prepare(scene));
     expect_agreement(checked);
   }
+}
+
+// Copies of meshes: turned, stretched, mirrored, with normal maps, anisotropy, colours, glass and masks.
+TEST(DeviceStagesInstances, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  Checked checked(shared_copies(copies_scene()));
+  expect_agreement(checked);
 }
 
 INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,

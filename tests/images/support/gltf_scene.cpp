@@ -244,6 +244,10 @@ void GltfScene::add(const Polygons& polygons, const json& material, const glm::d
   gltf_["nodes"].push_back({{"mesh", gltf_["meshes"].size() - 1}, {"matrix", to_json(matrix)}});
 }
 
+void GltfScene::add_copy(const glm::dmat4& matrix) {
+  gltf_["nodes"].push_back({{"mesh", gltf_["meshes"].size() - 1}, {"matrix", to_json(matrix)}});
+}
+
 void GltfScene::add_light(const json& light, const glm::dmat4& matrix) {
   json& lights = gltf_["extensions"]["KHR_lights_punctual"]["lights"];
   lights.push_back(light);

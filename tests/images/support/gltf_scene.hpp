@@ -69,6 +69,9 @@ class GltfScene {
   void add(const Polygons& polygons, const nlohmann::json& material, const glm::dmat4& matrix = glm::dmat4(1),
            const Corners& corners = {});
 
+  /// Places the mesh that was added last once more.
+  void add_copy(const glm::dmat4& matrix);
+
   /// Adds a texture of 8-bit RGBA rows, top row first, and returns its index.
   size_t add_texture(int width, const std::vector<uint8_t>& rgba, bool is_nearest = false);
 

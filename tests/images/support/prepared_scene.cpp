@@ -10,18 +10,19 @@ namespace regulus::test {
 
 namespace fs = std::filesystem;
 
-PreparedScene prepare(const fs::path& path) {
-  PreparedScene prepared{scene::load(path), {}};
+PreparedScene prepare(const fs::path& path, const scene::LoadOptions& options) {
+  PreparedScene prepared{scene::load(path, options), {}};
   prepared.bvh = bvh::build_for_scene(prepared.scene);
   return prepared;
 }
 
 namespace {
 
-PreparedScene prepare_in(const TemporaryFolder& folder, const GltfScene& scene) {
+PreparedScene prepare_in(const TemporaryFolder& folder, const GltfScene& scene,
+                         const scene::LoadOptions& options = {}) {
   const fs::path path = folder / "scene.gltf";
   scene.write(path);
-  PreparedScene prepared = prepare(path);
+  PreparedScene prepared = prepare(path, options);
   for (const std::string& warning : prepared.scene.warnings)
     ADD_FAILURE() << "warning of the loader: " << warning;
   return prepared;
@@ -29,8 +30,8 @@ PreparedScene prepare_in(const TemporaryFolder& folder, const GltfScene& scene) 
 
 }  // namespace
 
-PreparedScene prepare(const GltfScene& scene) {
-  return prepare_in(TemporaryFolder(), scene);
+PreparedScene prepare(const GltfScene& scene, const scene::LoadOptions& options) {
+  return prepare_in(TemporaryFolder(), scene, options);
 }
 
 PreparedScene prepare(GltfScene scene, const image::Image& environment, double rotation) {

@@ -17,8 +17,8 @@ struct PreparedScene {
   bvh::Bvh bvh;
 };
 
-PreparedScene prepare(const std::filesystem::path& path);
-PreparedScene prepare(const GltfScene& scene);
+PreparedScene prepare(const std::filesystem::path& path, const scene::LoadOptions& options = {});
+PreparedScene prepare(const GltfScene& scene, const scene::LoadOptions& options = {});
 /// With a latitude-longitude map as environment, turned by `rotation` degrees.
 PreparedScene prepare(GltfScene scene, const image::Image& environment, double rotation = 0);
 

@@ -1,0 +1,389 @@
+#include "scene/primitive.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <optional>
+
+#include "scene/accessor.hpp"
+#include "scene/material.hpp"
+#include "scene/tangents.hpp"
+#include "scene/uv_mapping.hpp"
+
+namespace regulus::scene {
+namespace {
+
+using interface::INVALID_INDEX;
+
+// So many are looked at whether triangles use them or not: an accessor without data can claim any number.
+constexpr uint64_t MANY_VERTICES = uint64_t{1} << 22;
+
+const tinygltf::Primitive& primitive_of(const Document& document, const PrimitiveToStore& instance) {
+  return document.model.meshes[instance.mesh].primitives[instance.primitive];
+}
+
+std::string instance_name(const Document& document, const PrimitiveToStore& instance) {
+  return fmt::format("{} primitive {}",
+                     element_name("mesh", instance.mesh, document.model.meshes[instance.mesh].name),
+                     instance.primitive);
+}
+
+std::optional<AccessorReader> attribute(const Document& document, const PrimitiveToStore& instance,
+                                        const char* name, int type) {
+  const auto& attributes = primitive_of(document, instance).attributes;
+  const auto found = attributes.find(name);
+  if (found == attributes.end()) return std::nullopt;
+  return AccessorReader(document, found->second, type, instance_name(document, instance) + " " + name);
+}
+
+/// COLOR_0, whose elements have three or four components.
+std::optional<AccessorReader> color_attribute(const Document& document, const PrimitiveToStore& instance) {
+  const auto& attributes = primitive_of(document, instance).attributes;
+  const auto found = attributes.find("COLOR_0");
+  if (found == attributes.end()) return std::nullopt;
+  const int type = document.model.accessors.at(static_cast<size_t>(found->second)).type;
+  return attribute(document, instance, "COLOR_0",
+                   type == TINYGLTF_TYPE_VEC3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4);
+}
+
+/// The corners of a primitive's triangles as indices into its vertices.
+class TriangleList {
+ public:
+  TriangleList(const Document& document, const PrimitiveToStore& instance, uint64_t vertex_count)
+      : mode_(primitive_of(document, instance).mode), vertex_count_(vertex_count) {
+    const int indices = primitive_of(document, instance).indices;
+    if (indices >= 0) {
+      indices_.emplace(document, indices, TINYGLTF_TYPE_SCALAR,
+                       instance_name(document, instance) + " indices");
+      indices_->require_indices(document);
+    }
+    corners_ = indices_ ? indices_->count() : vertex_count;
+  }
+
+  uint64_t size() const {
+    if (mode_ == TINYGLTF_MODE_TRIANGLES) return corners_ / 3;
+    return corners_ < 3 ? 0 : corners_ - 2;
+  }
+
+  uint64_t leftover() const { return mode_ == TINYGLTF_MODE_TRIANGLES ? corners_ % 3 : 0; }
+
+  /// Vertex indices of triangle t, counter-clockwise at the front (glTF 2.0, 3.7.2.1).
+  /// @throws Error if one is out of range.
+  glm::uvec3 at(const Document& document, const PrimitiveToStore& instance, uint64_t t) const {
+    glm::u64vec3 corner(3 * t, 3 * t + 1, 3 * t + 2);
+    if (mode_ == TINYGLTF_MODE_TRIANGLE_STRIP) corner = {t, t + (1 + t % 2), t + (2 - t % 2)};
+    if (mode_ == TINYGLTF_MODE_TRIANGLE_FAN) corner = {t + 1, t + 2, 0};
+    glm::uvec3 vertex;
+    for (int i = 0; i < 3; ++i) {
+      vertex[i] = indices_ ? indices_->index_at(corner[i]) : static_cast<uint32_t>(corner[i]);
+      if (vertex[i] >= vertex_count_)
+        document.fail(fmt::format("{}: index {} refers to vertex {} of {}; export the file again",
+                                  instance_name(document, instance), corner[i], vertex[i], vertex_count_));
+    }
+    return vertex;
+  }
+
+ private:
+  int mode_;
+  uint64_t vertex_count_;
+  uint64_t corners_ = 0;
+  std::optional<AccessorReader> indices_;
+};
+
+bool is_triangle_mode(int mode) {
+  return mode == TINYGLTF_MODE_TRIANGLES || mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+         mode == TINYGLTF_MODE_TRIANGLE_FAN;
+}
+
+/// Geometric normal as kernels compute it, in single precision; zero when the triangle has no usable area
+/// (its squared length would leave the normal range and the normal be noise).
+glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::vec3& p2) {
+  const glm::vec3 normal = glm::cross(p1 - p0, p2 - p0);
+  const float length_squared = glm::dot(normal, normal);
+  if (!(length_squared >= FLT_MIN) || !std::isfinite(length_squared)) return glm::vec3(0);
+  return normal / std::sqrt(length_squared);
+}
+
+MaterialUvs uvs_of(Document& document, const PrimitiveToStore& instance) {
+  const int material = primitive_of(document, instance).material;
+  if (material < 0) return {};
+  const auto index = static_cast<size_t>(material);
+  const tinygltf::Material& source = document.model.materials[index];
+  return material_uvs(document, source, element_name("material", index, source.name));
+}
+
+/// TANGENT, if the material needs it; without normals the specification says to ignore it.
+std::optional<AccessorReader> tangent_attribute(const Document& document, const PrimitiveToStore& instance) {
+  const int material = primitive_of(document, instance).material;
+  if (material < 0 || !needs_tangents(document.model.materials[static_cast<size_t>(material)]) ||
+      primitive_of(document, instance).attributes.count("NORMAL") == 0)
+    return std::nullopt;
+  return attribute(document, instance, "TANGENT", TINYGLTF_TYPE_VEC4);
+}
+
+/// Flattens one primitive.
+class PrimitiveBuilder {
+ public:
+  PrimitiveBuilder(Document& document, const PrimitiveToStore& instance, Scene& scene, Tally& tally)
+      : document_(document),
+        instance_(instance),
+        scene_(scene),
+        tally_(tally),
+        positions_(*attribute(document, instance, "POSITION", TINYGLTF_TYPE_VEC3)),
+        normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
+        material_uvs_(uvs_of(document, instance)),
+        uvs_(uv_attribute(material_uvs_.first.set)),
+        second_uvs_(material_uvs_.second_set ? uv_attribute(*material_uvs_.second_set) : std::nullopt),
+        colors_(color_attribute(document, instance)),
+        tangents_(tangent_attribute(document, instance)),
+        triangles_(document, instance, positions_.count()) {
+    const glm::dmat3 linear(instance.to_world);
+    const double determinant = glm::determinant(linear);
+    is_mirrored_ = determinant < 0;
+    // The cofactor matrix is determinant * inverse transpose and exists for flattening transforms too.
+    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                              glm::cross(linear[0], linear[1]));
+    normal_to_world_ = is_mirrored_ ? -cofactor : cofactor;
+    const int material = primitive_of(document, instance).material;
+    linear_ = linear;
+    needs_tangents_ =
+        material >= 0 && needs_tangents(document.model.materials[static_cast<size_t>(material)]);
+    material_ = material >= 0 ? static_cast<uint32_t>(material)
+                              : static_cast<uint32_t>(document.model.materials.size());
+  }
+
+  void build() {
+    require_same_count(normals_);
+    require_same_count(uvs_);
+    require_same_count(second_uvs_);
+    require_same_count(colors_);
+    require_same_count(tangents_);
+    if (!uvs_ && material_uvs_.first.set != 0) warn_of_missing(material_uvs_.first.set);
+    if (!second_uvs_ && material_uvs_.second_set) warn_of_missing(*material_uvs_.second_set);
+    if (triangles_.leftover() != 0)
+      document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
+                                 instance_name(document_, instance_), triangles_.leftover()));
+    const size_t first_vertex = scene_.vertices.size();
+    const size_t first_triangle = scene_.triangles.size();
+    if (normals_) {
+      add_shared_vertices();
+      add_smooth_triangles();
+    } else {
+      add_flat_triangles();
+    }
+    if (needs_tangents_ && !tangents_) add_tangents_of_image(first_vertex, first_triangle);
+  }
+
+ private:
+  std::optional<AccessorReader> uv_attribute(int set) const {
+    return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set).c_str(), TINYGLTF_TYPE_VEC2);
+  }
+
+  void warn_of_missing(int set) {
+    document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
+                               instance_name(document_, instance_), set));
+  }
+
+  /// Tangents follow the coordinates of the normal texture.
+  void add_tangents_of_image(size_t first_vertex, size_t first_triangle) {
+    const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
+    add_tangents(scene_, first_vertex, first_triangle, placement);
+  }
+
+  void require_same_count(const std::optional<AccessorReader>& reader) const {
+    if (reader && reader->count() != positions_.count())
+      document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
+                                 reader->element(), reader->count(), positions_.count()));
+  }
+
+  glm::vec3 position(uint64_t i) const {
+    const glm::vec3 local = positions_.vec3_at(i);
+    const glm::vec3 world(instance_.to_world * glm::dvec4(local, 1.0));
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!std::isfinite(local[axis]))
+        document_.fail(fmt::format("{}: vertex {} is not finite; repair the mesh", positions_.element(), i));
+      if (!(std::fabs(world[axis]) <= MAX_COORDINATE))
+        document_.fail(fmt::format("{}: vertex {} lies beyond {:g} units; scale the scene down",
+                                   positions_.element(), i, MAX_COORDINATE));
+    }
+    return world;
+  }
+
+  glm::vec2 uv(const std::optional<AccessorReader>& reader, const UvMapping& mapping, uint64_t i) {
+    if (!reader) return glm::vec2(0);
+    const glm::vec2 value = mapping.apply(reader->vec2_at(i));
+    if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
+    ++tally_.bad_uvs;
+    return glm::vec2(0);
+  }
+
+  /// Clamped as the specification demands (glTF 2.0, 3.7.2.1).
+  glm::vec4 color(uint64_t i) {
+    const glm::vec4 value =
+        colors_->components() == 3 ? glm::vec4(colors_->vec3_at(i), 1) : colors_->vec4_at(i);
+    if (!glm::any(glm::isnan(value))) return glm::clamp(value, 0.0f, 1.0f);
+    ++tally_.bad_colors;
+    return glm::vec4(1);
+  }
+
+  /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
+  void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
+    scene_.vertices.push_back({world_position, world_normal, uv(uvs_, material_uvs_.first, source)});
+    if (second_uvs_) {
+      scene_.vertex_uvs.resize(scene_.vertices.size() - 1, glm::vec2(0));
+      scene_.vertex_uvs.push_back(uv(second_uvs_, {}, source));
+    }
+    if (colors_) {
+      scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
+      scene_.vertex_colors.push_back(color(source));
+    }
+    if (tangents_) {
+      scene_.vertex_tangents.resize(scene_.vertices.size() - 1, glm::vec4(1, 0, 0, 1));
+      scene_.vertex_tangents.push_back(tangent(source, world_normal));
+    }
+  }
+
+  /// World-space tangent; a mirroring transform turns the bitangent.
+  glm::vec4 tangent(uint64_t i, const glm::vec3& world_normal) {
+    const glm::vec4 local = tangents_->vec4_at(i);
+    const glm::dvec3 world = linear_ * glm::dvec3(local);
+    const double length = glm::length(world);
+    const float sign = (local.w < 0) != is_mirrored_ ? -1.0f : 1.0f;
+    if (length > 0 && std::isfinite(length)) return {glm::vec3(world / length), sign};
+    ++tally_.bad_tangents;
+    return any_tangent(world_normal);
+  }
+
+  /// World-space unit normal; zero where the file's normal gives no direction.
+  glm::vec3 normal(uint64_t i) const {
+    const glm::dvec3 world = normal_to_world_ * glm::dvec3(normals_->vec3_at(i));
+    const double largest = std::max({std::fabs(world.x), std::fabs(world.y), std::fabs(world.z)});
+    if (!(largest > 0) || !std::isfinite(largest)) return glm::vec3(0);
+    return glm::vec3(glm::normalize(world / largest));
+  }
+
+  void add_shared_vertices() {
+    first_vertex_ = static_cast<uint32_t>(scene_.vertices.size());
+    for (uint64_t i = 0; i < positions_.count(); ++i) add_vertex(i, position(i), normal(i));
+  }
+
+  void add_smooth_triangles() {
+    for (uint64_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3 corner = corners(t) + first_vertex_;
+      const glm::vec3 geometric =
+          geometric_normal(scene_.vertices[corner.x].position, scene_.vertices[corner.y].position,
+                           scene_.vertices[corner.z].position);
+      if (geometric == glm::vec3(0)) {
+        ++tally_.without_area;
+        continue;
+      }
+      for (int i = 0; i < 3; ++i) {
+        glm::vec3& shading = scene_.vertices[corner[i]].normal;
+        if (shading != glm::vec3(0)) continue;
+        shading = geometric;
+        ++tally_.bad_normals;
+      }
+      add_triangle(corner);
+    }
+    // Vertices that no triangle uses still keep the promise of unit normals.
+    for (size_t i = first_vertex_; i < scene_.vertices.size(); ++i)
+      if (scene_.vertices[i].normal == glm::vec3(0)) scene_.vertices[i].normal = {0, 0, 1};
+  }
+
+  void add_flat_triangles() {
+    for (uint64_t t = 0; t < triangles_.size(); ++t) {
+      const glm::uvec3 corner = corners(t);
+      const glm::vec3 p[3] = {position(corner.x), position(corner.y), position(corner.z)};
+      const glm::vec3 geometric = geometric_normal(p[0], p[1], p[2]);
+      if (geometric == glm::vec3(0)) {
+        ++tally_.without_area;
+        continue;
+      }
+      const uint32_t first = static_cast<uint32_t>(scene_.vertices.size());
+      for (int i = 0; i < 3; ++i) add_vertex(corner[i], p[i], geometric);
+      add_triangle({first, first + 1, first + 2});
+    }
+  }
+
+  /// Corners of triangle t; a mirroring transform turns the front face away, so two corners swap.
+  glm::uvec3 corners(uint64_t t) {
+    ++tally_.triangles;
+    const glm::uvec3 corner = triangles_.at(document_, instance_, t);
+    return is_mirrored_ ? glm::uvec3(corner.x, corner.z, corner.y) : corner;
+  }
+
+  void add_triangle(const glm::uvec3& corner) {
+    scene_.triangles.push_back({corner.x, corner.y, corner.z, material_, INVALID_INDEX, instance_.place});
+  }
+
+  Document& document_;
+  const PrimitiveToStore& instance_;
+  Scene& scene_;
+  Tally& tally_;
+  AccessorReader positions_;
+  std::optional<AccessorReader> normals_;
+  MaterialUvs material_uvs_;
+  std::optional<AccessorReader> uvs_, second_uvs_;
+  std::optional<AccessorReader> colors_;
+  std::optional<AccessorReader> tangents_;
+  TriangleList triangles_;
+  bool is_mirrored_ = false;
+  bool needs_tangents_ = false;
+  glm::dmat3 linear_{1.0};
+  glm::dmat3 normal_to_world_{1.0};
+  uint32_t material_ = 0;
+  uint32_t first_vertex_ = 0;
+};
+
+}  // namespace
+
+bool is_drawn(const tinygltf::Primitive& primitive) {
+  return is_triangle_mode(primitive.mode) && primitive.attributes.count("POSITION") != 0;
+}
+
+void add_size(const Document& document, const PrimitiveToStore& instance, Size& size) {
+  const auto& attributes = primitive_of(document, instance).attributes;
+  const AccessorReader positions(document, attributes.at("POSITION"), TINYGLTF_TYPE_VEC3,
+                                 instance_name(document, instance) + " POSITION");
+  const uint64_t triangles = TriangleList(document, instance, positions.count()).size();
+  size.triangles += triangles;
+  size.vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * triangles;
+  size.has_colors = size.has_colors || attributes.count("COLOR_0") != 0;
+}
+
+bool fits_untransformed(const Document& document, const std::vector<PrimitiveToStore>& primitives) {
+  for (const PrimitiveToStore& primitive : primitives) {
+    const AccessorReader positions = *attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3);
+    const uint64_t triangles = TriangleList(document, primitive, positions.count()).size();
+    if (positions.count() > std::max(3 * triangles, MANY_VERTICES)) return false;
+    for (uint64_t i = 0; i < positions.count(); ++i) {
+      const glm::vec3 p = positions.vec3_at(i);
+      for (int axis = 0; axis < 3; ++axis)
+        if (!(std::fabs(p[axis]) <= MAX_COORDINATE)) return false;
+    }
+  }
+  return true;
+}
+
+void store_primitive(Document& document, const PrimitiveToStore& primitive, Scene& scene, Tally& tally) {
+  PrimitiveBuilder(document, primitive, scene, tally).build();
+}
+
+void warn_of(const Tally& tally, Document& document) {
+  if (tally.without_area != 0)
+    document.warn(
+        fmt::format("{} of {} triangles have no area and were dropped", tally.without_area, tally.triangles));
+  if (tally.bad_normals != 0)
+    document.warn(
+        fmt::format("{} vertex normals have no direction; geometric normals are used", tally.bad_normals));
+  if (tally.bad_uvs != 0)
+    document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
+  if (tally.bad_tangents != 0)
+    document.warn(fmt::format("{} tangents have no direction; others are used", tally.bad_tangents));
+  if (tally.bad_colors != 0)
+    document.warn(fmt::format("{} vertex colours are not numbers; white is used", tally.bad_colors));
+}
+
+}  // namespace regulus::scene

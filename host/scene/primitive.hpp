@@ -1,0 +1,63 @@
+// One primitive of a glTF mesh to triangles.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "scene/document.hpp"
+#include "scene/scene.hpp"
+
+namespace regulus::scene {
+
+// Beyond this, products of edge lengths overflow in the kernels' single precision.
+inline constexpr float MAX_COORDINATE = 1e9f;
+
+/// A primitive to store, in world space or (then the transform is the identity) in that of its mesh.
+struct PrimitiveToStore {
+  size_t mesh;
+  size_t primitive;
+  glm::dmat4 to_world;
+  uint32_t place;  ///< of its mesh, see interface::Triangle
+};
+
+/// What was seen while flattening, reported in one warning each.
+struct Tally {
+  uint64_t triangles = 0;
+  uint64_t without_area = 0;
+  uint64_t bad_normals = 0;
+  uint64_t bad_uvs = 0;
+  uint64_t bad_colors = 0;
+  uint64_t bad_tangents = 0;
+};
+
+/// True for primitives that have triangles.
+bool is_drawn(const tinygltf::Primitive& primitive);
+
+/// What primitives take, by their accessors' headers.
+struct Size {
+  uint64_t triangles = 0, vertices = 0;
+  bool has_colors = false;
+
+  uint64_t bytes() const {
+    return triangles * sizeof(interface::Triangle) +
+           vertices * (sizeof(interface::Vertex) + (has_colors ? sizeof(glm::vec4) : 0));
+  }
+};
+
+/// Adds what a primitive takes.
+/// @throws Error if its accessors are broken.
+void add_size(const Document& document, const PrimitiveToStore& primitive, Size& size);
+
+/// Whether primitives can be stored in their mesh's space: not with coordinates that only a transform makes
+/// fit, nor with millions of vertices that no triangle uses.
+bool fits_untransformed(const Document& document, const std::vector<PrimitiveToStore>& primitives);
+
+/// Appends the primitive's triangles to the scene.
+/// @throws Error as add_geometry()
+void store_primitive(Document& document, const PrimitiveToStore& primitive, Scene& scene, Tally& tally);
+
+/// Warns of everything that was seen.
+void warn_of(const Tally& tally, Document& document);
+
+}  // namespace regulus::scene
