@@ -134,7 +134,10 @@ class StageChecker {
       tally.add_error(0);
       return;
     }
-    bool can_agree = ends_at_a_surface(ray);
+    // A light at the segment's end must not cast a shadow on itself, unless the 16 roundings of its length by
+    // which the segment is short are less than one of its coordinates.
+    const bool is_short = 16 * ray.t_max < largest(ray.origin);
+    bool can_agree = (is_open || is_short) && ends_at_a_surface(ray);
     for (int k = 0; k < JITTERS && !can_agree; ++k) {
       reference::Ray other = ray;
       other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);

@@ -12,8 +12,9 @@ REGULUS_CONSTANT BVH_MAX_DEPTH = 24u;
 // Most triangles in a leaf.
 REGULUS_CONSTANT BVH_MAX_LEAF_SIZE = 4u;
 
-// A reference to a child: BVH_INSTANCE_BIT | the index of the instance that is the leaf, BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a
-// leaf, the node's index otherwise (below 2^24, for the stack packs it with an 8-bit mask).
+// A reference to a child: BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a leaf,
+// BVH_INSTANCE_BIT | its index for an instance, the node's index otherwise (below 2^24, for the stack packs it with an
+// 8-bit mask).
 REGULUS_CONSTANT BVH_LEAF_BIT = 0x80000000u;
 REGULUS_CONSTANT BVH_LEAF_COUNT_SHIFT = 29u;
 REGULUS_CONSTANT BVH_LEAF_FIRST_MASK = 0x1FFFFFFFu;
@@ -36,8 +37,8 @@ struct BvhNode {
 };
 REGULUS_LAYOUT(BvhNode, 96);
 
-// A triangle in leaf order: vertices as given, in world space or that of a mesh with instances (watertight edge tests need the vertices
-// themselves, not edge vectors) and a tag that traversal returns with the hit (its meaning is the caller's:
+// A triangle in leaf order: vertices as given, in world space or that of a mesh with instances (watertight edge tests
+// need the vertices themselves, not edge vectors) and a tag that traversal returns with the hit (its meaning is the caller's:
 // Regulus puts the material class in the low 8 bits).
 struct BvhTriangle {
   vec3 v0, v1, v2;

@@ -7,8 +7,8 @@
 
 REGULUS_INTERFACE_BEGIN
 
-// Vertex in world space, or in that of its mesh if the mesh has instances. `normal` is unit length; flat-shaded triangles own their vertices and carry the
-// geometric normal in them.
+// Vertex in world space, or in that of its mesh if the mesh has instances. `normal` is unit length; flat-shaded triangles
+// own their vertices and carry the geometric normal in them.
 struct Vertex {
   vec3 position;
   vec3 normal;

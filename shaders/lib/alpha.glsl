@@ -1,6 +1,7 @@
 // What traversal knows of a scene beside its tree: where its instances are, and which surfaces are only partly there.
-// Include this before lib/traversal.glsl. Rays at surfaces that are partly there decide by a hash of themselves whether they meet one (as in
-// pbrt-v4), so that closest-hit and shadow rays agree and a picture does not depend on how the work is cut.
+// Include this before lib/traversal.glsl. At surfaces that are partly there rays decide by a hash of themselves whether
+// they meet one (as in pbrt-v4), so that closest-hit and shadow rays agree and a picture does not depend on how the work
+// is cut.
 #ifndef REGULUS_LIB_ALPHA_GLSL
 #define REGULUS_LIB_ALPHA_GLSL
 

@@ -32,9 +32,8 @@ PlacedTriangle placed_triangle(Frame frame, uint number) {
   if (has_instances()) {
     if (placed.is_copy) {
       placed.triangle.instance = placed.copy.place;
-      if (placed.copy.is_mirrored != 0u) placed.triangle = Triangle(placed.triangle.v0, placed.triangle.v2, placed.triangle.v1,
-                                                                    placed.triangle.material, placed.triangle.light,
-                                                                    placed.triangle.instance);
+      Triangle t = placed.triangle;
+      if (placed.copy.is_mirrored != 0u) placed.triangle = Triangle(t.v0, t.v2, t.v1, t.material, t.light, t.instance);
     }
   }
   return placed;
