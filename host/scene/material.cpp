@@ -189,8 +189,8 @@ class MaterialBuilder {
 /// Attaches the textures of one material.
 class TextureSlots {
  public:
-  TextureSlots(TextureLoader& loader, const tinygltf::Material& source, MaterialUvs uvs)
-      : loader_(loader), source_(source), uvs_(std::move(uvs)) {}
+  TextureSlots(TextureLoader& loader, const tinygltf::Material& source, const MaterialUvs& uvs)
+      : loader_(loader), source_(source), uvs_(uvs) {}
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
