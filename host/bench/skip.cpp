@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/median.hpp"
 #include "base/process_usage.hpp"
 #include "bvh/scene_bvh.hpp"
 #include "interface/wavefront.h"
@@ -24,7 +25,7 @@ constexpr float NEXT_TO_NONE = 1e-9F;  // radiance, intensity
 class Speck {
  public:
   explicit Speck(scene::Scene& scene) : scene_(scene) {
-    Material plain{};
+    Material plain = scene::untextured_material();
     plain.base_color = glm::vec3(0.5F);
     plain.roughness = 1;
     plain.ior = 1.5F;
@@ -32,12 +33,6 @@ class Speck {
     plain.alpha = 1;
     plain.normal_scale = 1;
     plain.anisotropy_direction = {1, 0};
-    for (uint32_t* texture :
-         {&plain.base_color_texture, &plain.metallic_roughness_texture, &plain.specular_texture,
-          &plain.specular_color_texture, &plain.emissive_texture, &plain.transmission_texture,
-          &plain.normal_texture, &plain.alpha_texture, &plain.clearcoat_texture,
-          &plain.clearcoat_roughness_texture, &plain.anisotropy_texture})
-      *texture = INVALID_INDEX;
     const float size = SPECK_SIZE * glm::length(scene.bounds_max - scene.bounds_min);
     const auto first = static_cast<uint32_t>(scene.vertices.size());
     for (const glm::vec2& uv : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(0, 1)})
@@ -146,12 +141,6 @@ const std::map<uint32_t, Addition>& additions() {
          s.shiny(0.5F).anisotropy = 0.5F;
        }}};
   return table;
-}
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
 }
 
 /// A scene, ready to be rendered again and again.

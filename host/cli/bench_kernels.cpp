@@ -10,6 +10,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "base/median.hpp"
 #include "cli/bench_error.hpp"
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
@@ -50,12 +51,6 @@ double rate_of(const Work& work) {
     seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
   return runs / seconds;
-}
-
-double median(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2),
-                   values.end());
-  return values[values.size() / 2];
 }
 
 /// Both query kernels on a device.

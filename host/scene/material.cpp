@@ -33,20 +33,14 @@ class MaterialBuilder {
       : document_(document), source_(source), name_(std::move(name)) {}
 
   interface::Material build() {
-    interface::Material material {};
+    interface::Material material = untextured_material();
     const auto& pbr = source_.pbrMetallicRoughness;
     material.base_color = {factor(pbr.baseColorFactor[0], "baseColorFactor"),
                            factor(pbr.baseColorFactor[1], "baseColorFactor"),
                            factor(pbr.baseColorFactor[2], "baseColorFactor")};
     material.metallic = factor(pbr.metallicFactor, "metallicFactor");
     material.roughness = factor(pbr.roughnessFactor, "roughnessFactor");
-    material.base_color_texture = INVALID_INDEX;
-    material.metallic_roughness_texture = INVALID_INDEX;
-    material.emissive_texture = INVALID_INDEX;
-    material.transmission_texture = INVALID_INDEX;
-    material.alpha_texture = INVALID_INDEX;
     set_alpha(material);
-    material.normal_texture = INVALID_INDEX;
     material.normal_scale = in_range(source_.normalTexture.scale, -FLT_MAX, FLT_MAX, "normalTexture scale");
     if (source_.doubleSided) material.flags |= interface::MATERIAL_DOUBLE_SIDED;
     set_dielectric(material);
@@ -94,8 +88,6 @@ class MaterialBuilder {
     const glm::dvec3 tint = color(specular, "specularColorFactor");
     for (int i = 0; i < 3; ++i)
       material.specular_color[i] = in_range(tint[i], 0, FLT_MAX, "specularColorFactor");
-    material.specular_texture = INVALID_INDEX;
-    material.specular_color_texture = INVALID_INDEX;
   }
 
   void set_transmission(interface::Material& material) {
@@ -132,9 +124,6 @@ class MaterialBuilder {
     material.anisotropy_direction = {
         finite_float(document_, std::cos(rotation), name_ + ": anisotropyRotation"),
         finite_float(document_, std::sin(rotation), name_ + ": anisotropyRotation")};
-    material.clearcoat_texture = INVALID_INDEX;
-    material.clearcoat_roughness_texture = INVALID_INDEX;
-    material.anisotropy_texture = INVALID_INDEX;
   }
 
   /// The flags say what the file asks for; add_materials clears them where nothing is less than whole.
@@ -269,6 +258,17 @@ void drop_needless_alpha(Scene& scene) {
 }
 
 }  // namespace
+
+interface::Material untextured_material() {
+  interface::Material material {};
+  for (uint32_t* texture :
+       {&material.base_color_texture, &material.metallic_roughness_texture, &material.specular_texture,
+        &material.specular_color_texture, &material.emissive_texture, &material.transmission_texture,
+        &material.normal_texture, &material.alpha_texture, &material.clearcoat_texture,
+        &material.clearcoat_roughness_texture, &material.anisotropy_texture})
+    *texture = INVALID_INDEX;
+  return material;
+}
 
 bool needs_tangents(const tinygltf::Material& material) {
   if (is_unlit(material)) return false;

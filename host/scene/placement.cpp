@@ -17,8 +17,6 @@ constexpr double PLACING_ERROR = 8 * ROUNDOFF;
 // Boxes are met by rays in the mesh's space, where an ill-conditioned transform makes their errors large.
 constexpr double MAX_CONDITION = 1e3;
 constexpr double MAX_SCALE = 1e9;
-// Beyond this, products of edge lengths overflow in the kernels' single precision.
-constexpr double MAX_COORDINATE = 1e9;
 // Heights of triangles above this have an area that kernels can compute: its square is a normal number.
 constexpr double MIN_HEIGHT = 1e-9;
 // A vertex moves by this in rounding, relative to the translation and to what is added to it: at most 6
@@ -179,7 +177,7 @@ std::optional<Instance> place_mesh(const SharedMesh& mesh, const MeshExtent& ext
   const double error = ROUNDOFF * (largest(translation) + ROUNDINGS_OF_OFFSET * largest(offset));
   // The least singular value is at least 1 / |inverse|; no height shrinks by more.
   const double height = extent.least_height / inverse_scale;
-  if (!(largest(reach) < MAX_COORDINATE && height > MIN_HEIGHT && height > HEIGHT_OVER_ERROR * error))
+  if (!(largest(reach) < double{MAX_COORDINATE} && height > MIN_HEIGHT && height > HEIGHT_OVER_ERROR * error))
     return std::nullopt;
 
   const glm::dmat3 rows = transpose(inverse);

@@ -13,6 +13,9 @@
 
 namespace regulus::scene {
 
+/// Beyond this, products of edge lengths overflow in the kernels' single precision. m
+inline constexpr float MAX_COORDINATE = 1e9F;
+
 /// A triangle where it stands.
 struct PlacedTriangle {
   interface::Triangle triangle;               ///< corners in the order that has the front in front

@@ -9,6 +9,7 @@
 
 #include "scene/accessor.hpp"
 #include "scene/material.hpp"
+#include "scene/placement.hpp"
 #include "scene/tangents.hpp"
 #include "scene/uv_mapping.hpp"
 

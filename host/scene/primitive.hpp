@@ -10,9 +10,6 @@
 
 namespace regulus::scene {
 
-// Beyond this, products of edge lengths overflow in the kernels' single precision.
-inline constexpr float MAX_COORDINATE = 1e9f;
-
 /// A primitive to store, in world space or (then the transform is the identity) in that of its mesh.
 struct PrimitiveToStore {
   size_t mesh;

@@ -45,6 +45,9 @@ struct SharedMesh {
   uint32_t first_triangle, triangle_count;
 };
 
+/// A material whose texture slots are all empty, the rest 0.
+interface::Material untextured_material();
+
 /// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
 /// triangle has zero area (they are dropped with a warning).
 struct Scene {

@@ -89,10 +89,10 @@ REGULUS_CONSTANT FEATURE_ENVIRONMENT_MAP = 2048u;  // that differs between them
 REGULUS_CONSTANT FEATURE_ALPHA = 1u << 18;          // some surface is masked or blended
 REGULUS_CONSTANT FEATURE_CLEARCOAT = 1u << 19;      // some material has a clearcoat
 REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotropic
-REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;  // some texture is TEXTURE_MAPPED
+REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;   // some texture is TEXTURE_MAPPED
+REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;         // some texture reads the vertices' second coordinates
 REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
-REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;        // some texture reads the vertices' second coordinates
-REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;      // some mesh is stored once for several copies
+REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored once for several copies
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;

@@ -27,14 +27,6 @@ glm::dvec3 vector_at(const image::Channels& channels, const std::string& name, s
           floats(channels, name + ".Z")[pixel]};
 }
 
-image::Channels surface_channels(const PreparedScene& scene, render::RenderSettings settings) {
-  settings.aovs = render::SURFACE_AOVS;
-  render::Renderer renderer(*device(), scene.scene, scene.bvh, settings);
-  image::Channels channels;
-  render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
-  return channels;
-}
-
 // A ball with smooth normals before a slanted wall, seen by a camera at (0, 0, 5) that looks along -z: every
 // value follows from the ray through the pixel's centre. What the ball's facets cut off its radius is 1 -
 // cos(pi / 2 / 48).

@@ -7,7 +7,6 @@
 
 #include "images/support/copies.hpp"
 #include "images/support/render_scene.hpp"
-#include "render/aov.hpp"
 #include "scene/placement.hpp"
 #include "support/device.hpp"
 
@@ -18,14 +17,6 @@ class Instances : public testing::Test {
  protected:
   void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
 };
-
-image::Channels first_hits(const PreparedScene& scene, render::RenderSettings settings) {
-  settings.aovs = render::SURFACE_AOVS;
-  render::Renderer renderer(*device(), scene.scene, scene.bvh, settings);
-  image::Channels channels;
-  render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
-  return channels;
-}
 
 /// Share of pixels in which the channels differ by more than the bound.
 double differing(const std::vector<float>& a, const std::vector<float>& b, float bound) {
@@ -44,7 +35,7 @@ TEST_F(Instances, LookLikeStoredCopies) {
   EXPECT_EQ(placed_triangle_count(shared.scene), stored.scene.triangles.size());
 
   const render::RenderSettings settings = box_filtered(48, 48, is_slow_device() ? 1 : 8, 6);
-  const image::Channels a = first_hits(shared, settings), b = first_hits(stored, settings);
+  const image::Channels a = surface_channels(shared, settings), b = surface_channels(stored, settings);
   for (const auto& [name, values] : a) {
     if (const auto* numbers = std::get_if<std::vector<uint32_t>>(&values)) {
       const auto& others = std::get<std::vector<uint32_t>>(b.at(name));

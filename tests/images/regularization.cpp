@@ -48,15 +48,13 @@ class Mirrors : public Regularization {
   double energy(uint32_t techniques, uint32_t mis, double alpha, uint32_t samples = 512, uint32_t kind = 0) {
     RenderSettings settings = box_filtered(16, 16, is_slow_device() ? samples / 4 : samples, 12);
     settings.techniques = techniques;
-    const auto tau = static_cast<float>(1 / (4 * PI * alpha * alpha));
-    settings = regularized(settings, mis, tau);
+    settings = regularized(settings, mis, tau_of_mirrors(alpha));
     settings.regularization |= kind;
     const double mean = mean_of(render(scene_, settings).image)[0];
     std::printf("techniques %2u, weights %u, alpha^ %.3f: %.4f of the truth\n", techniques, mis, alpha,
                 mean / expected_);
     return mean / expected_;
   }
-  static constexpr double PI = 3.14159265358979;
   PreparedScene scene_;
   double expected_ = 0;
 };

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 
 #include "scene_files.hpp"
 
@@ -47,6 +48,29 @@ void expect_near(const glm::vec4& found, const glm::dvec3& tangent, float sign) 
 }
 
 const std::vector<float> TRIANGLE = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+// With coordinates of its own the normal texture decides: here those of a second set, turned by its
+// transform.
+TEST(SceneTangents, FollowTheCoordinatesOfTheNormalTexture) {
+  const auto tangent = [](const json& transform) {
+    Gltf file;
+    const size_t texture = file.texture(make_png(1, 1, 3, 8, {128, 128, 255}));
+    json normal = {{"index", texture}, {"texCoord", 1}};
+    if (!transform.is_null()) normal["extensions"]["KHR_texture_transform"] = transform;
+    file.root["materials"] = {
+        {{"normalTexture", normal}, {"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}}};
+    json primitive = {{"attributes",
+                       {{"POSITION", file.positions(TRIANGLE)},
+                        {"TEXCOORD_0", file.accessor(std::vector<float>{0, 1, 1, 1, 0, 0}, "VEC2", FLOAT)},
+                        {"TEXCOORD_1", file.accessor(std::vector<float>{0, 1, 0, 0, -1, 1}, "VEC2", FLOAT)}}},
+                      {"material", 0}};
+    file.node({{"mesh", file.mesh(primitive)}});
+    return tangent_at(file.load(), 0, 0);
+  };
+  expect_near(tangent(json()), {0, -1, 0}, 1);
+  // (u, v) becomes (v, -u): u grows where v did, along -x.
+  expect_near(tangent({{"rotation", std::numbers::pi / 2}}), {-1, 0, 0}, 1);
+}
 
 // glTF's v points down: with u along +x and v along -y the bitangent, which points up in the image, is +y.
 TEST(SceneTangents, FollowTheImage) {

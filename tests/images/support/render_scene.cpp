@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
+#include "render/aov.hpp"
 #include "support/device.hpp"
 #include "support/random.hpp"
 
@@ -31,6 +34,18 @@ render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t m
   render::RenderSettings settings = box_filtered(width, height, 1, max_depth);
   settings.filter_radius = 0;
   return settings;
+}
+
+image::Channels surface_channels(const PreparedScene& prepared, render::RenderSettings settings) {
+  settings.aovs = render::SURFACE_AOVS;
+  render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+  image::Channels channels;
+  render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
+  return channels;
+}
+
+float tau_of_mirrors(double alpha) {
+  return static_cast<float>(1 / (4 * std::numbers::pi * alpha * alpha));
 }
 
 std::vector<image::Image> render_batches(const PreparedScene& prepared, render::RenderSettings settings,

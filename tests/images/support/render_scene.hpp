@@ -29,6 +29,12 @@ render::RenderSettings box_filtered(uint32_t width, uint32_t height, uint32_t sa
 /// random choice either, the image is an exact function of position.
 render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t max_depth);
 
+/// All AOVs of what camera rays meet first.
+image::Channels surface_channels(const PreparedScene& prepared, render::RenderSettings settings);
+
+/// Bound on a lobe's density, 1/sr, that raises mirrors to this alpha (math.md 2.2, BOUND_PEAK).
+float tau_of_mirrors(double alpha);
+
 /// Images of `count` renders that differ in their seed alone: base_seed() + 1000 stream + 0, 1, ...
 std::vector<image::Image> render_batches(const PreparedScene& prepared, render::RenderSettings settings,
                                          int count, uint32_t stream);
