@@ -183,6 +183,8 @@ image::Image write_image(const Outputs& outputs, const RenderOptions& options,
   image::Channels channels;
   if ((settings.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
     render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
+  if ((settings.aovs & render::AOV_SIGMA) != 0 && !is_device_lost)
+    render::add_sigma_channels(renderer.surface_footprints(), channels);
   render::add_film_channels(film, settings.aovs, channels);
   image::Image image = resolve(film);
   if (options.sample_range.empty())

@@ -302,7 +302,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                      "x0,y0,x1,y1: only these pixels, from the top left, x1 and y1 excluded");
   command.add_option(
       "--aov", options.aovs,
-      "Extra channels, comma-separated: albedo, N, Ng, P, Z, material, instance, variance, samples");
+      "Extra channels, comma-separated: albedo, N, Ng, P, Z, material, instance, sigma, variance, samples");
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
   command.add_option(

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <sstream>
 
 #include "base/error.hpp"
@@ -16,7 +17,8 @@ using interface::AovPixel;
 constexpr std::pair<const char*, uint32_t> NAMES[] = {
     {"albedo", AOV_ALBEDO},     {"N", AOV_SHADING_NORMAL},  {"Ng", AOV_GEOMETRIC_NORMAL},
     {"P", AOV_POSITION},        {"Z", AOV_DEPTH},           {"material", AOV_MATERIAL},
-    {"instance", AOV_INSTANCE}, {"variance", AOV_VARIANCE}, {"samples", AOV_SAMPLES}};
+    {"instance", AOV_INSTANCE}, {"variance", AOV_VARIANCE}, {"samples", AOV_SAMPLES},
+    {"sigma", AOV_SIGMA}};
 
 template <typename T, typename Value>
 std::vector<T> values_of(const std::vector<AovPixel>& pixels, const Value& value) {
@@ -78,6 +80,18 @@ void add_surface_channels(const std::vector<AovPixel>& pixels, uint32_t aovs, im
     channels["Z"] = values_of<float>(pixels, [](const AovPixel& pixel) { return pixel.depth; });
   if ((aovs & AOV_MATERIAL) != 0) add_indices(pixels, "material", &AovPixel::material, channels);
   if ((aovs & AOV_INSTANCE) != 0) add_indices(pixels, "instance", &AovPixel::instance, channels);
+}
+
+void add_sigma_channels(const std::vector<interface::vec3>& footprints, image::Channels& channels) {
+  std::vector<float> positions, angles;
+  positions.reserve(footprints.size());
+  angles.reserve(footprints.size());
+  for (const interface::vec3& footprint : footprints) {
+    positions.push_back(std::sqrt(footprint.x));
+    angles.push_back(std::sqrt(footprint.z));
+  }
+  channels["sigma.position"] = std::move(positions);
+  channels["sigma.angle"] = std::move(angles);
 }
 
 void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels) {

@@ -10,8 +10,8 @@
 
 namespace regulus::render {
 
-/// AOV_* bits of a comma-separated list of names: albedo, N, Ng, P, Z, material, instance, variance, samples;
-/// 0 if it is empty. @throws regulus::Error (BadUsage) naming the one that is unknown
+/// AOV_* bits of a comma-separated list of names: albedo, N, Ng, P, Z, material, instance, sigma, variance,
+/// samples; 0 if it is empty. @throws regulus::Error (BadUsage) naming the one that is unknown
 uint32_t parse_aovs(const std::string& list);
 
 /// The list of names.
@@ -21,6 +21,10 @@ std::string aov_names(uint32_t aovs);
 /// integers material and instance: 1 + index, 0 where there is nothing.
 void add_surface_channels(const std::vector<interface::AovPixel>& pixels, uint32_t aovs,
                           image::Channels& channels);
+
+/// Channels sigma.position (m) and sigma.angle (rad) of footprints as Renderer::surface_footprints() finds
+/// them: standard deviations of one coordinate.
+void add_sigma_channels(const std::vector<interface::vec3>& footprints, image::Channels& channels);
 
 /// Channels of the film: variance.R and so on, of the mean of the samples, and the integer samples.
 void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels);

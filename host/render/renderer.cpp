@@ -406,6 +406,25 @@ struct Renderer::Impl {
     return gpu::download_all<AovPixel>(device, buffers.aovs, count);
   }
 
+  // Path slots serve as pixels, wave by wave.
+  std::vector<vec3> surface_footprints() {
+    std::vector<vec3> footprints;
+    if ((settings.aovs & AOV_SIGMA) == 0) return footprints;
+    const uint64_t slots = std::min<uint64_t>(SURFACE_WAVE_PIXELS, capacity);
+    for (uint64_t first = 0; first < pixels; first += slots) {
+      const auto count = static_cast<uint32_t>(std::min(slots, pixels - first));
+      gpu::CommandList commands(device);
+      StageArguments arguments = arguments_of(first, 0, count);
+      for (arguments.bounce = 0; arguments.bounce < settings.max_depth; ++arguments.bounce)
+        record_step(commands, pipeline, "surface_footprints", arguments, count);
+      submit(std::move(commands), 0, 0);
+      finish_all_waves();
+      std::ranges::copy(gpu::download_all<vec3>(device, buffers.path_footprints, count),
+                        std::back_inserter(footprints));
+    }
+    return footprints;
+  }
+
   // The mean of one of a strategy's two films, number `index` in the buffer.
   image::Image strategy_image(const Strategy& strategy, uint64_t index) const {
     const uint64_t words = pixels * FILM_WORDS_PER_PIXEL;
@@ -459,6 +478,10 @@ void Renderer::resume(const Film& film) {
 }
 std::vector<AovPixel> Renderer::surface_aovs() {
   return impl_->surface_aovs();
+}
+
+std::vector<vec3> Renderer::surface_footprints() {
+  return impl_->surface_footprints();
 }
 void Renderer::render(const ProgressCallback& progress) {
   impl_->render(progress);

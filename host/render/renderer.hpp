@@ -72,6 +72,11 @@ class Renderer {
   /// What camera rays meet first, by pixel; empty unless a bit of SURFACE_AOVS is set. Not part of render().
   std::vector<interface::AovPixel> surface_aovs();
 
+  /// Path diffusion's footprint (lib/footprint.glsl) where the ray through each pixel's centre first meets a
+  /// surface that diffuses; a variance of the position of infinity if it meets none. Empty without AOV_SIGMA.
+  /// Not part of render().
+  std::vector<interface::vec3> surface_footprints();
+
   /// Renders until all samples are done or `progress` returns false. If the device is lost the error is
   /// thrown, and film() holds the last snapshot (at most a few seconds old).
   void render(const ProgressCallback& progress);

@@ -29,7 +29,7 @@ struct Window {
 /// Extra channels of an image, see README.md. Bits of RenderSettings::aovs.
 inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_NORMAL = 4, AOV_POSITION = 8,
                           AOV_DEPTH = 16, AOV_MATERIAL = 32, AOV_INSTANCE = 64, AOV_VARIANCE = 128,
-                          AOV_SAMPLES = 256;
+                          AOV_SAMPLES = 256, AOV_SIGMA = 512;
 /// Those that say what camera rays meet first.
 inline constexpr uint32_t SURFACE_AOVS = AOV_ALBEDO | AOV_SHADING_NORMAL | AOV_GEOMETRIC_NORMAL |
                                          AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE;

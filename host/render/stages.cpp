@@ -56,6 +56,7 @@ bool is_needed(const StageStep& step, const scene::Features& features, const Ren
   if (step.needs == Needs::Environment && (features.bits & FEATURE_ENVIRONMENT) == 0) return false;
   if (step.needs == Needs::Variance && (settings.aovs & AOV_VARIANCE) == 0) return false;
   if (step.needs == Needs::SurfaceAovs && (settings.aovs & SURFACE_AOVS) == 0) return false;
+  if (step.needs == Needs::SurfaceFootprints && (settings.aovs & AOV_SIGMA) == 0) return false;
   return step.material_class == ANY_CLASS || (features.material_classes >> step.material_class & 1) != 0;
 }
 
@@ -65,7 +66,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
   for (const StageStep& step : STAGES) {
     if (step.extent == Extent::Scan || !is_needed(step, features, settings)) continue;
     // What shades whatever it meets needs the most general class.
-    const uint32_t material_class = step.needs == Needs::SurfaceAovs   ? MATERIAL_CLASS_TRANSMISSIVE
+    const uint32_t material_class = step.pass == Pass::Surface         ? MATERIAL_CLASS_TRANSMISSIVE
                                     : step.material_class == ANY_CLASS ? 0
                                                                        : step.material_class;
     gpu::KernelDescription description{

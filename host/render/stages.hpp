@@ -36,7 +36,7 @@ enum class Extent {
 };
 
 /// When a step is needed at all, beside its technique.
-enum class Needs { Nothing, CacheConnections, Environment, Variance, SurfaceAovs };
+enum class Needs { Nothing, CacheConnections, Environment, Variance, SurfaceAovs, SurfaceFootprints };
 
 /// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
 /// queues and need no order between them.
@@ -97,6 +97,7 @@ inline constexpr std::array STAGES = {
     StageStep{Pass::Sample, "square_samples",    "square_samples",              Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::Variance},
 
     StageStep{Pass::Surface, "surface_aovs",     "surface_aovs",                Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::SurfaceAovs},
+    StageStep{Pass::Surface, "surface_footprints", "surface_footprints",        Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::SurfaceFootprints},
 };
 // clang-format on
 }  // namespace detail

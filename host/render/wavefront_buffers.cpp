@@ -53,7 +53,8 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   plan.has_merges = has(settings, TECHNIQUE_MERGE);
   const bool has_diffusion = (settings.regularization & REGULARIZATION_DIFFUSION) != 0;
   plan.has_sharp = has_diffusion && has(settings, LIGHT_SUBPATH_TECHNIQUES);
-  plan.has_footprints = has_diffusion && !has(settings, LIGHT_SUBPATH_TECHNIQUES);
+  plan.has_footprints =
+      (has_diffusion && !has(settings, LIGHT_SUBPATH_TECHNIQUES)) || (settings.aovs & AOV_SIGMA) != 0;
   constexpr uint32_t HIT_AND_NEE = TECHNIQUE_HIT | TECHNIQUE_NEE;
   plan.has_receivers =
       settings.light_sampling == LIGHT_SAMPLING_BVH && (settings.techniques & HIT_AND_NEE) == HIT_AND_NEE;
@@ -137,7 +138,7 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
     light_receivers_ = per_path(sizeof(LightReceiver), "light receivers", frame_.light_receivers);
   if (plan_.has_sharp)
     light_path_sharp_ = per_path(sizeof(vec2), "sharp accumulators", frame_.light_path_sharp);
-  if (plan_.has_footprints) path_footprints_ = per_path(sizeof(vec3), "footprints", frame_.path_footprints);
+  if (plan_.has_footprints) path_footprints = per_path(sizeof(vec3), "footprints", frame_.path_footprints);
   if (plan_.has_histories)
     path_histories_ = per_path(sizeof(PathHistory), "path histories", frame_.path_histories);
   if (plan_.has_histories && plan_.has_vertices)

@@ -18,7 +18,7 @@ struct LightVertexPlan {
   bool has_vertices = false;  ///< connections or merges are enabled
   bool has_merges = false;
   bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
-  bool has_footprints = false;  ///< path diffusion without light subpaths: a footprint beside each path
+  bool has_footprints = false;  ///< path diffusion without light subpaths, or its AOV: one beside each path
   bool has_receivers = false;   ///< `hit` weighs against lights that `nee` chooses by the tree
   bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
 };
@@ -51,6 +51,7 @@ class WavefrontBuffers {
   gpu::Buffer queue_heads, empty_heads, film, splat_film, film_earlier, film_squares, aovs, counters;
   gpu::Buffer light_vertex_count;  ///< two words: vertices, size of the most crowded cell if that is crowded
   gpu::Buffer light_path_ends, grid_cells;
+  gpu::Buffer path_footprints;
   gpu::Buffer strategy_film;  ///< per strategy a weighted and an unweighted film
 
  private:
@@ -65,8 +66,8 @@ class WavefrontBuffers {
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
       pairs_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_, strategy_layers_,
-      candidate_strategies_, splat_strategies_, light_vertex_sharp_, path_footprints_, light_receivers_,
-      path_histories_, camera_vertex_histories_, light_vertex_histories_;
+      candidate_strategies_, splat_strategies_, light_vertex_sharp_, light_receivers_, path_histories_,
+      camera_vertex_histories_, light_vertex_histories_;
 };
 
 }  // namespace regulus::render

@@ -126,6 +126,83 @@ TEST_F(Aovs, OfACropAreThoseOfTheWhole) {
     }
 }
 
+// Path diffusion's footprint in a scene that unfolds to a line: the standard deviation of one coordinate of a
+// pixel's angle, s, meets a surface after `before` m, leaves it and meets a wall after `behind` m.
+class Sigma : public Aovs {
+ protected:
+  static constexpr uint32_t SIDE = 5;
+  static constexpr double Y_FOV = 0.02;  // narrow, so that all rays are paraxial
+  static constexpr double ANGLE = 2 * Y_FOV / 2 / SIDE / 3.4641016151377544;  // tan = angle to 1e-4
+
+  /// What the ray through the middle of the film carries to the wall.
+  struct Found {
+    double position, angle;
+  };
+  Found find(GltfScene& scene) {
+    scene.add_point_light({0, 50, 0}, {1, 1, 1});
+    scene.set_perspective(look_at({0, 0, 5}, {0, 0, 0}), Y_FOV);
+    const PreparedScene prepared = prepare(scene);
+    render::RenderSettings settings = point_sampled(SIDE, SIDE, 8);
+    settings.aovs = render::AOV_SIGMA;
+    render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+    image::Channels channels;
+    render::add_sigma_channels(renderer.surface_footprints(), channels);
+    const size_t middle = SIDE * SIDE / 2;
+    return {floats(channels, "sigma.position")[middle], floats(channels, "sigma.angle")[middle]};
+  }
+  static void expect(const char* what, const Found& found, double position, double angle, double bound) {
+    std::printf("%s: sigma %.6g m, %.6g rad; expected %.6g, %.6g\n", what, found.position, found.angle,
+                position, angle);
+    EXPECT_NEAR(found.position / position, 1, bound) << what;
+    EXPECT_NEAR(found.angle / angle, 1, bound) << what;
+  }
+  static Polygons wall(double z) { return {quad({-40, -40, z}, {80, 0, 0}, {0, 80, 0})}; }
+  static Polygons wall_behind(double z) { return turned(wall(z)); }
+};
+
+// At a wall; over a flat mirror as if there were none; a mirror of alpha 0.04 adds 2 alpha^2 to the angle's
+// variance, and what that spreads to.
+TEST_F(Sigma, GrowsWithTheDistanceAndBySharpLobes) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  GltfScene plain;
+  plain.add(wall(-1), lambert({0.5, 0.5, 0.5}));
+  expect("wall", find(plain), 6 * ANGLE, ANGLE, 1e-4);
+  for (const double roughness : {0.0, 0.2}) {
+    GltfScene scene;
+    scene.add(wall(0), metal({1, 1, 1}, roughness));
+    scene.add(wall_behind(12), lambert({0.5, 0.5, 0.5}));
+    const double alpha = roughness * roughness, lobe = 2 * alpha * alpha;
+    expect("flat mirror", find(scene), std::sqrt(17 * 17 * ANGLE * ANGLE + 12 * 12 * lobe),
+           std::sqrt(ANGLE * ANGLE + lobe), 1e-4);
+  }
+}
+
+// A mirror of radius R after a m turns a ray at distance a theta from the axis by 2 a theta / R more. Facets
+// lie behind the sphere by at most 1 - cos(pi / 2 / rings) of R.
+TEST_F(Sigma, FollowsCurvatureOfMirrors) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  constexpr int RINGS = 96;
+  for (const double radius : {1.0, 0.25}) {
+    GltfScene scene;
+    const Polygons ball = sphere({0, 0, 0}, radius, RINGS);
+    Corners corners;
+    for (const Polygon& polygon : ball)
+      for (const glm::dvec3& corner : polygon) corners.normals.push_back(glm::vec3(glm::normalize(corner)));
+    scene.add(ball, metal({1, 1, 1}, 0), glm::dmat4(1), corners);
+    scene.add(wall_behind(12), lambert({0.5, 0.5, 0.5}));
+    const double before = 5 - radius, behind = 12 - radius, gain = 1 + 2 * before / radius;
+    expect("ball", find(scene), (before + behind * gain) * ANGLE, gain * ANGLE, 2e-3);
+  }
+}
+
+// Inside glass of index n angles are 1 / n as wide; behind a plate as before it.
+TEST_F(Sigma, GoesThroughGlass) {
+  GltfScene scene;
+  scene.add(box({-40, -40, -3}, {40, 40, 0}), glass(1.5));
+  scene.add(wall(-4), lambert({0.5, 0.5, 0.5}));
+  expect("plate", find(scene), (5 + 3 / 1.5 + 1) * ANGLE, ANGLE, 1e-4);
+}
+
 // By camera paths, splats and merges alike: the variance that a render states for its mean is, on average
 // over pixels, the spread of the means of independent renders. With 12 renders the mean over 768 values of
 // the spread errs by sqrt(2 / 11 / 768) = 1.5 percent if values are independent and normal; they are neither,
