@@ -87,6 +87,7 @@ nlohmann::json report_json(const Report& report) {
   return {{"title", report.title},
           {"device", report.device},
           {"machine_note", report.machine_note},
+          {"axis", report.axis},
           {"sections", sections}};
 }
 

@@ -24,6 +24,7 @@ struct Section {
 struct Report {
   std::string title, device, machine_note;
   std::vector<Section> sections;
+  std::string axis = "seconds";  ///< of the curves at first: "seconds", "cpu_seconds" or "samples"
 };
 
 /// Everything but the pictures.

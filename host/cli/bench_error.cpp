@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <sstream>
@@ -81,6 +83,25 @@ void print_run(const bench::ErrorRun& run) {
   std::fflush(stdout);
 }
 
+// The bound on contributions under which runs of `settings` vary as much as `variance` says. The variance
+// grows with the bound, over the decades in which samples lie.
+float matching_clamp(gpu::Device& device, const bench::ErrorSubject& subject, render::RenderSettings settings,
+                     bench::ErrorBudget budget, double variance) {
+  constexpr int STEPS = 8;
+  double low = -2, high = 4;  // log10; 8 steps leave 6 / 256 of a decade
+  budget.seeds = 2;
+  for (int step = 0; step < STEPS; ++step) {
+    const double middle = 0.5 * (low + high);
+    settings.largest_contribution = static_cast<float>(std::pow(10, middle));
+    (bench::measure_error(device, subject, settings, budget).variance > variance ? high : low) = middle;
+  }
+  return static_cast<float>(std::pow(10, 0.5 * (low + high)));
+}
+
+double variance_of(const std::vector<bench::ErrorRun>& runs, const std::string& name) {
+  return std::ranges::find(runs, name, &bench::ErrorRun::name)->variance;
+}
+
 bench::Section measure_section(gpu::Device& device, const BenchComparison& comparison,
                                const BenchErrorOptions& options) {
   bench::Section section{comparison.title, comparison.text, comparison.scene, {}, 0, 0, {}};
@@ -97,13 +118,21 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   fmt::print("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s",
              "relmse", "variance", "bias^2", "mean");
   const std::string size = fmt::format("{}x{}", section.reference.width, section.reference.height);
+  const bench::ErrorSubject subject{loaded.scene, loaded.bvh, section.reference};
+  bench::ErrorBudget budget = options.budget;
+  if (comparison.samples != 0 && budget.samples == 0) budget.samples = comparison.samples;
   for (const BenchConfig& config : comparison.configs) {
-    const ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene);
+    ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene);
     section.exposure_ev = render.exposure_ev;
-    bench::ErrorRun run = bench::measure_error(device, {loaded.scene, loaded.bvh, section.reference},
-                                               render.settings, options.budget);
+    std::string clamp;
+    if (!config.clamped_like.empty()) {
+      render.settings.largest_contribution = matching_clamp(device, subject, render.settings, budget,
+                                                            variance_of(section.runs, config.clamped_like));
+      clamp = fmt::format(" --clamp {:.3g}", render.settings.largest_contribution);
+    }
+    bench::ErrorRun run = bench::measure_error(device, subject, render.settings, budget);
     run.name = config.name;
-    run.options = config.options;
+    run.options = config.options + clamp;
     print_run(run);
     section.runs.push_back(std::move(run));
   }
@@ -136,6 +165,10 @@ void run_comparisons(const std::string& title, const std::vector<BenchComparison
                                        : fmt::format(", {} {}s of rendering each", options.budget.seconds,
                                                      options.budget.counts_cpu_time ? "CPU " : "")),
                        {}};
+  if (options.budget.samples != 0)
+    report.axis = "samples";
+  else if (options.budget.counts_cpu_time)
+    report.axis = "cpu_seconds";
   fmt::print("device: {}\n", report.device);
   for (const BenchComparison& comparison : comparisons) {
     report.sections.push_back(measure_section(device, comparison, options));

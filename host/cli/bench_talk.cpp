@@ -8,27 +8,26 @@ std::vector<BenchComparison> talk_comparisons(const std::string& folder) {
   return {
       {"Path tracing, without and with regularization",
        "Light that reaches a diffuse surface through a mirror or glass from a small lamp is what path "
-       "tracing does "
-       "not find.",
+       "tracing does not find.",
        scene("watch"),
        {{"pt", "-i pt" + none}, {"pt, roughness", "-i pt" + roughness}}},
       {"Bidirectional path tracing: without, virtual merges, raised roughness",
-       "Connections to specular vertices become possible. A virtual merge accepts what a lobe sends into a "
-       "cone; "
-       "raised roughness needs no tries. Both: with and without regularization at once.",
+       "Connections to specular vertices become possible. A virtual merge accepts what a lobe sends "
+       "into a cone; raised roughness needs no tries. Both: with and without regularization at once.",
        scene("watch"),
        {{"bpt", "-i bpt" + none},
         {"virtual merge", "-i bpt --regularization virtual-merge"},
         {"roughness", "-i bpt" + roughness},
         {"both", "-i bpt --regularization both"}}},
       {"Weights",
-       "Several techniques find the same regularized path. Weights that ignore it count its light several "
-       "times; "
-       "corrected ones nearly conserve it, blended ones do.",
+       "The same samples, weighted in three ways. Several techniques find the same regularized path. "
+       "Weights that ignore it count its light several times; corrected ones nearly conserve it, "
+       "blended ones do.",
        scene("mirrors"),
        {{"unmodified", "-i bpt --mis unmodified" + roughness},
         {"corrected", "-i bpt --mis corrected" + roughness},
-        {"blended", "-i bpt --mis blended" + roughness}}},
+        {"blended", "-i bpt --mis blended" + roughness}},
+       64},
       {"Path diffusion",
        "What the camera sees directly, or through surfaces that are all sharp, needs no regularization.",
        scene("cornell"),
@@ -53,14 +52,13 @@ std::vector<BenchComparison> talk_comparisons(const std::string& folder) {
         {"vcm", "-i vcm" + none},
         {"vcm, roughness", "-i vcm" + roughness}}},
       {"Clamping",
-       "Bounding what a sample adds loses the light that regularization spreads.",
-       scene("pool"),
+       "Bounding what a sample adds loses the light that regularization spreads: here the bound is the "
+       "one that leaves the same variance.",
+       scene("watch"),
        {{"pt, roughness", "-i pt" + roughness},
-        {"pt, clamp 10", "-i pt --clamp 10" + none},
-        {"pt, clamp 1", "-i pt --clamp 1" + none},
+        {"pt, clamped", "-i pt" + none, "pt, roughness"},
         {"bpt, roughness", "-i bpt" + roughness},
-        {"bpt, clamp 10", "-i bpt --clamp 10" + none},
-        {"bpt, clamp 1", "-i bpt --clamp 1" + none}}},
+        {"bpt, clamped", "-i bpt" + none, "bpt, roughness"}}},
   };
 }
 

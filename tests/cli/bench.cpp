@@ -87,6 +87,7 @@ TEST_F(Bench, PageShowsACurveForEachConfiguration) {
   EXPECT_EQ(count(document, "class=\"curve\""), 2u);
   EXPECT_EQ(count(document, "<h2>floor</h2>"), 1u);
   EXPECT_EQ(count(document, "alt=\"relative error of "), 2u) << "heat maps";
+  EXPECT_EQ(count(document, "alt=\"picture by "), 2u);
 }
 
 TEST_F(Bench, NamesWhatIsMissing) {
