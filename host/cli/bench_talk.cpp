@@ -5,6 +5,8 @@ namespace regulus::cli {
 std::vector<BenchComparison> talk_comparisons(const std::string& folder) {
   const auto scene = [&](const char* name) { return folder + "/" + name + "/" + name + ".gltf"; };
   const std::string none = " --regularization none", roughness = " --regularization roughness";
+  // Strong enough for the eye.
+  const std::string blurred = roughness + " --tau 2 --tau-schedule fixed";
   return {
       {"Path tracing, without and with regularization",
        "Light that reaches a diffuse surface through a mirror or glass from a small lamp is what path "
@@ -31,17 +33,16 @@ std::vector<BenchComparison> talk_comparisons(const std::string& folder) {
       {"Path diffusion",
        "What the camera sees directly, or through surfaces that are all sharp, needs no regularization.",
        scene("cornell"),
-       {{"off", "-i bpt --diffusion off --tau-schedule fixed" + roughness},
-        {"on", "-i bpt --diffusion on --tau-schedule fixed" + roughness}}},
+       {{"without", "-i bpt --diffusion off" + blurred}, {"path diffusion", "-i bpt" + blurred}}},
       {"Sampler quality",
-       "A caustic that light subpaths find by themselves needs none either.",
-       scene("ring"),
-       {{"bpt", "-i bpt" + none},
-        {"off", "-i bpt --sampler-quality off --tau-schedule fixed" + roughness},
-        {"on", "-i bpt --sampler-quality on --tau-schedule fixed" + roughness},
-        {"smooth", "-i bpt --sampler-quality smooth --tau-schedule fixed" + roughness},
-        {"on, without diffusion",
-         "-i bpt --sampler-quality on --diffusion off --tau-schedule fixed" + roughness}}},
+       "A caustic that light subpaths find by themselves needs none either. Both heuristics together "
+       "leave alone what one of them does.",
+       scene("cornell"),
+       {{"bpt, none", "-i bpt" + none},
+        {"path diffusion", "-i bpt" + blurred},
+        {"sampler quality", "-i bpt --sampler-quality on --diffusion off" + blurred},
+        {"both", "-i bpt --sampler-quality on" + blurred},
+        {"both, smooth", "-i bpt --sampler-quality smooth" + blurred}}},
       {"Path tracing, bidirectional path tracing, vertex connection and merging",
        "Equal time, without and with regularization.",
        scene("pool"),
