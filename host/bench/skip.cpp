@@ -31,7 +31,7 @@ class Speck {
     plain.ior = 1.5F;
     plain.specular_color = glm::vec3(1);
     plain.alpha = 1;
-    plain.normal_scale = 1;
+    plain.normal_scale = plain.clearcoat_normal_scale = 1;
     plain.anisotropy_direction = {1, 0};
     const float size = SPECK_SIZE * glm::length(scene.bounds_max - scene.bounds_min);
     const auto first = static_cast<uint32_t>(scene.vertices.size());
@@ -136,6 +136,12 @@ const std::map<uint32_t, Addition>& additions() {
          s.shiny(0.5F).clearcoat = 1;
          s.material().clearcoat_roughness = 0.5F;
        }},
+      {FEATURE_COAT_NORMALS,
+       [](Speck& s) {
+         s.shiny(0.5F).clearcoat = 1;
+         s.material().clearcoat_roughness = 0.5F;
+         s.material().flags |= MATERIAL_COAT_NORMAL;
+       }},
       {FEATURE_ANISOTROPY, [](Speck& s) {
          s.scene().vertex_tangents.resize(s.scene().vertices.size(), glm::vec4(1, 0, 0, 1));
          s.shiny(0.5F).anisotropy = 0.5F;
@@ -160,6 +166,7 @@ class Subject {
 
   /// CPU seconds of one render without what precedes it.
   double seconds() { return render(settings_); }
+  /// Device memory without the nodes of the tree.
   uint64_t bytes() const { return bytes_; }
   uint64_t bytes_per_path() const { return bytes_per_path_; }
 
@@ -171,7 +178,7 @@ class Subject {
     renderer.render([&](uint64_t, uint64_t) { return !budget_.is_interrupted || !budget_.is_interrupted(); });
     if (budget_.is_interrupted && budget_.is_interrupted())
       throw Error(ExitStatus::Interrupted, "interrupted");
-    bytes_ = device_.allocated_bytes() - before;
+    bytes_ = device_.allocated_bytes() - before - bvh_.nodes.size() * sizeof(bvh_.nodes[0]);
     bytes_per_path_ = renderer.statistics().bytes_per_path;
     return process_cpu_seconds() - start;
   }

@@ -19,7 +19,7 @@ struct SkippedFeature {
   double time_ratio = 0;   ///< CPU time of rendering with it over without: median over repeats
   double least_ratio = 0;  ///< of the repeats
   double greatest_ratio = 0;
-  int64_t bytes = 0;            ///< device memory more with it
+  int64_t bytes = 0;  ///< device memory more with it, without nodes: the speck may change the tree either way
   uint64_t bytes_per_path = 0;  ///< state of a path in flight with it
 };
 
