@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -124,6 +126,21 @@ Json stages_json(const scene::Features& features, render::RenderSettings setting
   return {{"run", run}, {"skipped", skipped}};
 }
 
+// Whether connections and merges are regularized, and if not, why: as render::effective_regularization
+// decides.
+Json regularization_json(const scene::Features& features, const render::RenderSettings& settings) {
+  const auto answer = [](bool is_used, const std::string& why) {
+    return Json{{"used", is_used}, {"why", why}};
+  };
+  if (settings.regularization == REGULARIZATION_NONE) return answer(false, "the settings ask for none");
+  if (render::effective_regularization(features, settings) != REGULARIZATION_NONE)
+    return answer(true, fmt::format("tau {:g}", settings.tau));
+  if (std::isinf(settings.tau)) return answer(false, "dropped: tau is infinite");
+  const float sharpest = std::min(features.least_reflection_alpha, features.least_refraction_alpha);
+  if (std::isinf(sharpest)) return answer(false, "dropped: no surface has a microfacet lobe");
+  return answer(false, fmt::format("dropped: no lobe is sharper than tau {:g} allows", settings.tau));
+}
+
 Json inspect(const InspectOptions& options) {
   scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external, {}});
   const render::RenderSettings settings = default_settings(scene);
@@ -153,6 +170,7 @@ Json inspect(const InspectOptions& options) {
           {"settings", scene.settings},
           {"features", features_json(features)},
           {"stages", stages_json(features, settings)},
+          {"regularization", regularization_json(features, settings)},
           {"warnings", scene.warnings}};
 }
 
@@ -200,6 +218,8 @@ void print(const Json& scene) {
     fmt::print("  without        {:<18} kernels lose {}\n", name, removes.get<std::string>());
   fmt::print("stages           {}\n", listed(scene["stages"]["run"]));
   fmt::print("  skipped        {}\n", listed(scene["stages"]["skipped"]));
+  fmt::print("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
+             scene["regularization"]["why"].get<std::string>());
   for (const Json& warning : scene["warnings"])
     fmt::print("warning          {}\n", warning.get<std::string>());
 }

@@ -60,6 +60,7 @@ TEST(Inspect, CountsWhatTheFileHolds) {
   EXPECT_EQ(names(scene["features"]["present"]),
             (std::set<std::string>{"triangle_lights", "delta_specular", "many_lights", "smooth_normals"}));
   EXPECT_TRUE(scene["features"]["absent"].contains("textures"));
+  EXPECT_EQ(scene["regularization"]["used"], true);
 }
 
 // A diffuse quad under a point light: nothing specular, so the stages of those classes are skipped.
@@ -76,6 +77,8 @@ TEST(Inspect, NamesTheStagesThatAreSkipped) {
   EXPECT_TRUE(skipped.contains("camera_bounce.transmissive"));
   EXPECT_EQ(names(result["features"]["present"]), std::set<std::string>{"point_lights"});
   EXPECT_EQ(result["lights"]["point"], 1);
+  EXPECT_EQ(result["regularization"]["used"], false);
+  EXPECT_EQ(result["regularization"]["why"], "dropped: no surface has a microfacet lobe");
   EXPECT_EQ(result["cameras"].size(), 1u);
   EXPECT_EQ(result["cameras"][0]["from_file"], false);
 }
