@@ -190,7 +190,7 @@ class PrimitiveBuilder {
   /// Tangents follow the coordinates of the normal texture.
   void add_tangents_of_image(size_t first_vertex, size_t first_triangle) {
     const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
-    add_tangents(scene_, first_vertex, first_triangle, placement);
+    add_tangents(scene_, first_vertex, first_triangle, placement, linear_);
   }
 
   void require_same_count(const std::optional<AccessorReader>& reader) const {

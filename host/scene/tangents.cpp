@@ -26,8 +26,25 @@ enum class Orientation { Unknown, Upright, Mirrored };
 struct Facet {
   std::array<uint32_t, 3> vertices;  // in Scene::vertices
   std::array<uint32_t, 3> welded;    // numbers of distinct (position, normal, uv)
-  dvec3 tangent{0};                  // unit direction of growing u; 0 if the image has no area here
+  dvec3 tangent{0};  // of the mesh: unit direction of growing u; 0 if the image has no area here
   Orientation orientation = Orientation::Unknown;
+};
+
+/// Back to the mesh that vertices in world space are of.
+struct MeshSpace {
+  glm::dmat3 to_world{1.0}, from_world{1.0};
+
+  explicit MeshSpace(const glm::dmat3& matrix) {
+    const glm::dmat3 inverse = glm::inverse(matrix);
+    for (int column = 0; column < 3; ++column)
+      if (glm::any(glm::isnan(inverse[column])) || glm::any(glm::isinf(inverse[column]))) return;
+    to_world = matrix;
+    from_world = inverse;
+  }
+  dvec3 difference(const glm::vec3& a, const glm::vec3& b) const {
+    return from_world * (dvec3(a) - dvec3(b));
+  }
+  dvec3 normal(const glm::vec3& n) const { return glm::normalize(glm::transpose(to_world) * dvec3(n)); }
 };
 
 // In these steps a vertex's uv are the coordinates of the image.
@@ -68,7 +85,8 @@ struct SharedEdge {
   uint32_t edges[2];
 };
 
-void set_image_direction(const std::array<interface::Vertex, 3>& corners, Facet& facet) {
+void set_image_direction(const std::array<interface::Vertex, 3>& corners, const MeshSpace& space,
+                         Facet& facet) {
   const auto& [a, b, c] = corners;
   // Up in the image is -v.
   const dvec2 ab = (dvec2(b.uv) - dvec2(a.uv)) * dvec2(1, -1);
@@ -76,7 +94,7 @@ void set_image_direction(const std::array<interface::Vertex, 3>& corners, Facet&
   const double area = ab.x * ac.y - ab.y * ac.x;
   if (!(std::abs(area) > FLT_MIN)) return;
   const dvec3 u =
-      ac.y * (dvec3(b.position) - dvec3(a.position)) - ab.y * (dvec3(c.position) - dvec3(a.position));
+      ac.y * space.difference(b.position, a.position) - ab.y * space.difference(c.position, a.position);
   const double length = glm::length(u);
   if (!(length > 0) || !std::isfinite(length)) return;
   facet.orientation = area > 0 ? Orientation::Upright : Orientation::Mirrored;
@@ -91,8 +109,8 @@ interface::Vertex placed_vertex(const Scene& scene, uint32_t index, const interf
   return vertex;
 }
 
-std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle,
-                               const interface::Texture& placement) {
+std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle, const interface::Texture& placement,
+                               const MeshSpace& space) {
   std::unordered_map<interface::Vertex, uint32_t, VertexHash, VertexEqual> numbers;
   std::vector<Facet> facets;
   for (size_t t = first_triangle; t < scene.triangles.size(); ++t) {
@@ -103,7 +121,7 @@ std::vector<Facet> make_facets(const Scene& scene, size_t first_triangle,
       corners[i] = placed_vertex(scene, facet.vertices[i], placement);
       facet.welded[i] = numbers.try_emplace(corners[i], static_cast<uint32_t>(numbers.size())).first->second;
     }
-    set_image_direction(corners, facet);
+    set_image_direction(corners, space, facet);
     facets.push_back(facet);
   }
   return facets;
@@ -158,13 +176,14 @@ dvec3 projected(const dvec3& v, const dvec3& n) {
 }
 
 /// The share of one corner in its set's tangent: weighted by the angle there, seen along the normal.
-dvec3 weighted_tangent(const Scene& scene, const Facet& facet, size_t i) {
+dvec3 weighted_tangent(const Scene& scene, const Facet& facet, size_t i, const MeshSpace& space) {
   const interface::Vertex& here = scene.vertices[facet.vertices[i]];
-  const dvec3 position(here.position), normal(here.normal);
-  const dvec3 next =
-      projected(dvec3(scene.vertices[facet.vertices[(i + 1) % 3]].position) - position, normal);
-  const dvec3 last =
-      projected(dvec3(scene.vertices[facet.vertices[(i + 2) % 3]].position) - position, normal);
+  const dvec3 normal = space.normal(here.normal);
+  const auto along_edge = [&](size_t corner) {
+    const glm::vec3& there = scene.vertices[facet.vertices[corner % 3]].position;
+    return projected(space.difference(there, here.position), normal);
+  };
+  const dvec3 next = along_edge(i + 1), last = along_edge(i + 2);
   return std::acos(std::clamp(glm::dot(next, last), -1.0, 1.0)) * projected(facet.tangent, normal);
 }
 
@@ -217,22 +236,23 @@ glm::vec4 any_tangent(const glm::vec3& normal) {
 }
 
 void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle,
-                  const interface::Texture& placement) {
+                  const interface::Texture& placement, const glm::dmat3& to_world) {
+  const MeshSpace space(to_world);
   scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
-  std::vector<Facet> facets = make_facets(scene, first_triangle, placement);
+  std::vector<Facet> facets = make_facets(scene, first_triangle, placement, space);
   const std::vector<SharedEdge> shared = find_shared_edges(facets);
   adopt_orientations(facets, shared);
   CornerSets sets = join_corners(facets, shared);
   std::vector<dvec3> sums(3 * facets.size(), dvec3(0));
   for (uint32_t corner = 0; corner < sums.size(); ++corner)
-    sums[sets.representative(corner)] += weighted_tangent(scene, facets[corner / 3], corner % 3);
+    sums[sets.representative(corner)] += weighted_tangent(scene, facets[corner / 3], corner % 3, space);
 
   TangentWriter writer(scene, first_vertex);
   for (size_t f = 0; f < facets.size(); ++f) {
     std::array<uint32_t, 3> vertices{};
     for (uint32_t i = 0; i < 3; ++i) {
       const uint32_t vertex = facets[f].vertices[i];
-      const dvec3 sum = sums[sets.representative(static_cast<uint32_t>(3 * f) + i)];
+      const dvec3 sum = space.to_world * sums[sets.representative(static_cast<uint32_t>(3 * f) + i)];
       const double length = glm::length(sum);
       glm::vec4 tangent = length > FLT_MIN ? glm::vec4(glm::vec3(sum / length), 1.0f)
                                            : any_tangent(scene.vertices[vertex].normal);

@@ -168,6 +168,27 @@ TEST(SceneTangents, OfTheFileAreTransformed) {
   expect_near(tangent_at(scene, 0, 2), {-0.6, 0.8, 0}, -1);
 }
 
+// Those of the mesh are transformed, not made anew where the transform has changed angles: a bent strip,
+// stretched, sheared and mirrored by two nodes.
+TEST(SceneTangents, OfTheMeshAreTransformed) {
+  Mesh mesh{{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5f},
+            {-0.2f, 0, 0.9798f, 0.3f, -0.3f, 0.9055f, 0, 0, 1, 0.1f, 0.2f, 0.9747f},
+            {0, 1, 0.7f, 0.8f, 0.1f, 0, 1, 0.3f},
+            {},
+            {0, 1, 2, 2, 1, 3}};
+  const Scene plain = mesh.load();
+  mesh.node = {{"matrix", {-2, 0, 0, 0, 1.5, 0.5, 0, 0, 0, 0.25, 3, 0, 7, 8, 9, 1}}};
+  const Scene transformed = mesh.load();
+  const glm::dmat3 matrix(-2, 0, 0, 1.5, 0.5, 0, 0, 0.25, 3);
+  for (size_t triangle = 0; triangle < 2; ++triangle)
+    for (const int corner : {0, 1, 2}) {
+      const glm::vec4 tangent = tangent_at(plain, triangle, corner);
+      const int mirrored = corner == 0 ? 0 : 3 - corner;  // corners 1 and 2 have changed places
+      expect_near(tangent_at(transformed, triangle, mirrored), glm::normalize(matrix * glm::dvec3(tangent)),
+                  -tangent.w);
+    }
+}
+
 TEST(SceneTangents, AreNotMadeWithoutNormalMaps) {
   Gltf file;
   file.triangle();
