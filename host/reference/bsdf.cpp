@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "reference/sampling.hpp"
-
 namespace regulus::reference {
 
 using glm::dvec2;
@@ -76,6 +74,12 @@ Bsdf Bsdf::with_coat_alpha(const dvec2& alpha) const {
   return other;
 }
 
+Bsdf Bsdf::with_coat_normal(const dvec3& normal) const {
+  Bsdf other = *this;
+  other.parameters_.coat_normal = normal;
+  return other;
+}
+
 Bsdf Bsdf::with_unit_density() const {
   Bsdf other = *this;
   other.surface_.has_unit_density = other.coat_.has_unit_density = true;
@@ -132,8 +136,25 @@ double Bsdf::refraction_pdf(const dvec3& wo, const dvec3& wi, double eta) const 
          (1 - reflection_probability(dot(wo, h), eta));
 }
 
+/// In the frame with z up on that side of the surface.
+Basis Bsdf::coat_basis(bool is_back) const {
+  const dvec3 normal = parameters_.coat_normal.value_or(dvec3(0, 0, 1));
+  return Basis(is_back ? mirror_z(-normal) : normal);
+}
+
+dvec3 Bsdf::to_coat(const dvec3& w, bool is_back) const {
+  const dvec3 up = is_back ? mirror_z(w) : w;
+  return parameters_.coat_normal ? coat_basis(is_back).to_local(up) : up;
+}
+
+dvec3 Bsdf::from_coat(const dvec3& w, bool is_back) const {
+  const dvec3 up = parameters_.coat_normal ? coat_basis(is_back).to_world(w) : w;
+  return is_back ? mirror_z(up) : up;
+}
+
 double Bsdf::coat_reflectance(const dvec3& w) const {
-  return coat_towards(w) * (0.04 + 0.96 * std::pow(std::max(1 - std::abs(w.z), 0.0), 5));
+  const double cosine = std::abs(to_coat(w, w.z < 0).z);
+  return coat_towards(w) * (0.04 + 0.96 * std::pow(std::max(1 - cosine, 0.0), 5));
 }
 
 dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
@@ -141,11 +162,14 @@ dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
   if (parameters_.clearcoat == 0) return value;
   value *= (1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi));
   if (is_coat_delta() || wo.z * wi.z <= 0) return value;
-  const dvec3 up_o(wo.x, wo.y, std::abs(wo.z));
-  const dvec3 up_i(wi.x, wi.y, std::abs(wi.z));
+  const dvec3 up_o = to_coat(wo, wo.z < 0);
+  const dvec3 up_i = to_coat(wi, wo.z < 0);
+  if (up_o.z <= 0 || up_i.z <= 0) return value;
   const dvec3 h = reflection_half_vector(up_o, up_i);
   const double fresnel = coat_towards(wo) * (0.04 + 0.96 * std::pow(std::max(1 - dot(up_o, h), 0.0), 5));
-  return value + fresnel * distribution(coat_, h) *
+  // What falls on the coat, over what falls on the base.
+  const double falls = mode == TransportMode::Radiance ? up_i.z / std::abs(wi.z) : up_o.z / std::abs(wo.z);
+  return value + falls * fresnel * distribution(coat_, h) *
                      masking_shadowing(coat_, up_i, up_o, h, Scattering::Reflection) / (4 * up_i.z * up_o.z);
 }
 
@@ -178,7 +202,7 @@ double Bsdf::diffuse_probability(const dvec3& wo) const {
 
 double Bsdf::coat_probability(const dvec3& wo) const {
   const double coat = coat_reflectance(wo);
-  if (coat == 0) return 0;
+  if (coat == 0 || to_coat(wo, wo.z < 0).z <= 0) return 0;
   const double eta = relative_index(wo);
   const double cos_o = std::abs(wo.z);
   const dvec3 base = (1 - parameters_.metallic) * (1 - parameters_.transmission) * parameters_.base_color;
@@ -191,8 +215,10 @@ double Bsdf::pdf(const dvec3& wo, const dvec3& wi) const {
   const double p_coat = coat_probability(wo);
   const double pdf = (1 - p_coat) * base_pdf(wo, wi);
   if (p_coat == 0 || is_coat_delta() || wo.z * wi.z <= 0) return pdf;
-  const dvec3 up_o(wo.x, wo.y, std::abs(wo.z));
-  const dvec3 h = reflection_half_vector(up_o, {wi.x, wi.y, std::abs(wi.z)});
+  const dvec3 up_o = to_coat(wo, wo.z < 0);
+  const dvec3 up_i = to_coat(wi, wo.z < 0);
+  if (up_i.z <= 0) return pdf;
+  const dvec3 h = reflection_half_vector(up_o, up_i);
   return pdf + p_coat * visible_normal_pdf(coat_, up_o, h) / (4 * dot(up_o, h));
 }
 
@@ -233,25 +259,28 @@ BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, boo
 }
 
 BsdfSample Bsdf::sample_coat(const dvec3& wo, double u_choice, const dvec2& u) const {
-  const dvec3 up(wo.x, wo.y, std::abs(wo.z));
+  const dvec3 up = to_coat(wo, wo.z < 0);
   const dvec3 h = is_coat_delta() ? dvec3(0, 0, 1) : sample_visible_normal(coat_, up, u, u_choice);
+  const dvec3 wi = reflect_at(up, h);
   BsdfSample result;
-  result.wi = reflect_at(up, h);
+  result.wi = from_coat(wi, wo.z < 0);
+  result.is_coat = true;
   result.is_delta = is_coat_delta();
   result.alpha = parameters_.coat_alpha;
-  result.is_valid = result.wi.z > 0;
-  if (wo.z < 0) result.wi = mirror_z(result.wi);
+  result.is_valid = wi.z > 0 && result.wi.z * wo.z > 0;
   return result;
 }
 
-/// A delta event of coat or base, whichever was chosen: both reflect to the same side if both are deltas.
+/// A delta event of coat or base, whichever was chosen: both reflect to the same side if both are deltas and
+/// have the same normal.
 BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode mode) const {
   const dvec3& wi = sample.wi;
   const double p_coat = coat_probability(wo);
   const double p_coat_back = coat_probability(wi);
   dvec3 factor(0);
   sample.pdf_forward = sample.pdf_reverse = 0;
-  if (is_delta()) {
+  const bool is_alone = parameters_.coat_normal.has_value();
+  if (is_delta() && !(is_alone && sample.is_coat)) {
     const double eta = relative_index(wo);
     const double p_specular = 1 - diffuse_probability(wo);
     const double p_reflection = reflection_probability(std::abs(wo.z), eta);
@@ -267,8 +296,9 @@ BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode 
                                     : reflectance(std::abs(wo.z), eta)) *
              ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
   }
-  if (is_coat_delta() && !sample.is_transmitted) {
-    factor += coat_reflectance(wo);
+  if (is_coat_delta() && !sample.is_transmitted && (sample.is_coat || !is_alone)) {
+    // Radiance is reflected whatever the angle to the base: importance by |cos_i| / |cos_o| of that.
+    factor += coat_reflectance(wo) * (mode == TransportMode::Radiance ? 1 : std::abs(wi.z / wo.z));
     sample.pdf_forward += p_coat;
     sample.pdf_reverse += p_coat_back;
   }

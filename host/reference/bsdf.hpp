@@ -11,6 +11,7 @@
 
 #include "reference/fresnel.hpp"
 #include "reference/microfacet.hpp"
+#include "reference/sampling.hpp"
 
 namespace regulus::reference {
 
@@ -29,6 +30,8 @@ struct BsdfParameters {
   glm::dvec3 specular_color = glm::dvec3(1);
   double clearcoat = 0;                   ///< weight of a dielectric lobe on top (KHR_materials_clearcoat)
   glm::dvec2 coat_alpha = glm::dvec2(0);  ///< its roughness; (0, 0): a delta
+  /// Its normal on the front side, where that is not z.
+  std::optional<glm::dvec3> coat_normal = std::nullopt;
   bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
@@ -44,6 +47,7 @@ struct BsdfSample {
   bool is_transmitted = false;
   bool is_diffuse = false;           ///< drawn by the diffuse lobe
   bool is_refracted = false;         ///< transmitted and bent
+  bool is_coat = false;              ///< drawn by the clearcoat's lobe
   glm::dvec2 alpha = glm::dvec2(0);  ///< of the microfacet lobe that it was drawn by
   glm::dvec3 wi = glm::dvec3(0);
   glm::dvec3 weight = glm::dvec3(0);  ///< value |cos_i| / pdf; of a delta event its factor / probability
@@ -82,9 +86,9 @@ class Bsdf {
   /// True if the specular lobes are delta events.
   bool is_delta() const { return parameters_.alpha == glm::dvec2(0); }
 
-  /// True if some lobe is not a delta: something that connections and merges can use.
-  bool has_finite_lobe() const {
-    return !is_delta() || diffuse_scale_ != glm::dvec3(0) || (parameters_.clearcoat > 0 && !is_coat_delta());
+  /// True if some lobe that w meets is not a delta: something that connections and merges can use.
+  bool has_finite_lobe(const glm::dvec3& w) const {
+    return !is_delta() || diffuse_scale_ != glm::dvec3(0) || (coat_towards(w) > 0 && !is_coat_delta());
   }
 
   /// True if the clearcoat's lobe is a delta event.
@@ -92,6 +96,9 @@ class Bsdf {
 
   /// Clearcoat on the side of w: solids are coated on their outside, the rest on both sides.
   double coat_towards(const glm::dvec3& w) const { return refracts() && w.z < 0 ? 0 : parameters_.clearcoat; }
+
+  /// A direction where z is the clearcoat's normal on the back of the surface, or else on its front.
+  glm::dvec3 to_coat(const glm::dvec3& w, bool is_back) const;
 
   /// Probability of the clearcoat's lobe seen from wo.
   double coat_probability(const glm::dvec3& wo) const;
@@ -108,6 +115,9 @@ class Bsdf {
   /// The same with another alpha of the clearcoat's lobe; (0, 0): value() and pdf() are without it.
   Bsdf with_coat_alpha(const glm::dvec2& alpha) const;
 
+  /// The same with another normal of the clearcoat.
+  Bsdf with_coat_normal(const glm::dvec3& normal) const;
+
   /// The same with a density of facets of 1 in value() and pdf(), see Microsurface::has_unit_density.
   Bsdf with_unit_density() const;
 
@@ -116,6 +126,8 @@ class Bsdf {
   glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
   double reflection_probability(double cos_facet, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
+  glm::dvec3 from_coat(const glm::dvec3& w, bool is_back) const;
+  Basis coat_basis(bool is_back) const;
   glm::dvec3 base_value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
   double base_pdf(const glm::dvec3& wo, const glm::dvec3& wi) const;
   BsdfSample sample_base(const glm::dvec3& wo, double u_lobe, const glm::dvec2& u, TransportMode mode) const;

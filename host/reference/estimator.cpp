@@ -62,7 +62,8 @@ LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool i
   for (uint32_t i = 0; i < subpaths_.size(); ++i)
     for (auto m = static_cast<uint32_t>(subpaths_[i].vertices.size()); m >= 1; --m) {
       const WalkVertex& vertex = subpaths_[i].vertices[m - 1];
-      if (!is_regularized && !vertex.bsdf.has_finite_lobe()) continue;
+      const dvec3 local = to_material(vertex.surface, vertex.w_back);
+      if (!is_regularized && !vertex.bsdf.has_finite_lobe(local)) continue;
       numbered_.push_back({i, m});
       if (radius > 0) cells_[key_of(cell_of(vertex.surface.position))].push_back({i, m});
     }

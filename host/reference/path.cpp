@@ -25,11 +25,11 @@ double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3
 /// agree.
 std::optional<ConnectedScattering> raised_between(const Surface& surface, const Bsdf& bsdf,
                                                   const dvec3& w_light, const dvec3& w_camera,
-                                                  bool is_delta_event, const Regularization& regularization) {
+                                                  const BsdfSample* delta,
+                                                  const Regularization& regularization) {
   if (!regularization.is_on) return std::nullopt;
-  const std::optional<RaisedScattering> raised =
-      raise(bsdf, to_material(surface, as_seen(surface, w_camera)), to_material(surface, w_light),
-            is_delta_event, regularization);
+  const std::optional<RaisedScattering> raised = raise(bsdf, to_material(surface, as_seen(surface, w_camera)),
+                                                       to_material(surface, w_light), delta, regularization);
   if (!raised) return std::nullopt;
   return ConnectedScattering{raised->value * normal_correction(surface, w_light), raised->pdf_wo,
                              raised->pdf_wi, true, raised->ratio};
@@ -44,12 +44,13 @@ void measure_virtually(const Surface& surface, const Bsdf& bsdf, const dvec3& w_
   if (!raises_facets(bsdf, wo, wi, regularization)) return;
   const bool is_from_light = tries.is_from_light;
   const SamplingFrame frame(surface, is_from_light ? w_light : w_camera);
+  const Bsdf local = frame.bsdf_of(surface, bsdf);
   const dvec3 local_light = frame.to_local(w_light);
   const dvec3 local_camera = frame.to_local(as_seen(surface, w_camera));
-  const dvec3 facets = is_from_light ? virtual_merge(bsdf, local_light, local_camera,
+  const dvec3 facets = is_from_light ? virtual_merge(local, local_light, local_camera,
                                                      TransportMode::Importance, regularization, tries.numbers)
-                                     : virtual_merge(bsdf, local_camera, local_light, TransportMode::Radiance,
-                                                     regularization, tries.numbers);
+                                     : virtual_merge(local, local_camera, local_light,
+                                                     TransportMode::Radiance, regularization, tries.numbers);
   const Bsdf facets_alone =
       bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization)).with_coat_alpha(glm::dvec2(0));
   const dvec3 replaced = facets_alone.value(wo, wi, TransportMode::Radiance) -
@@ -70,6 +71,10 @@ dvec3 SamplingFrame::to_local(const dvec3& w) const {
 
 dvec3 SamplingFrame::to_world(const dvec3& w) const {
   return basis_.to_world(is_back_ ? dvec3(w.x, w.y, -w.z) : w);
+}
+
+Bsdf SamplingFrame::bsdf_of(const Surface& surface, const Bsdf& bsdf) const {
+  return bsdf.parameters().coat_normal ? bsdf.with_coat_normal(to_local(surface.coat_normal)) : bsdf;
 }
 
 double camera_bound(const Camera& camera, double longest_edge) {
@@ -149,7 +154,7 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, co
       bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
-  result.raised = raised_between(surface, bsdf, w_light, w_camera, false, regularization);
+  result.raised = raised_between(surface, bsdf, w_light, w_camera, nullptr, regularization);
   if (regularization.is_virtual && result.raised && !tries.numbers.empty())
     measure_virtually(surface, bsdf, w_light, w_camera, regularization, tries, *result.raised);
   if (regularization.has_bounds)
@@ -173,16 +178,18 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
   result.is_delta = true;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
-  result.raised = raised_between(surface, bsdf, w_light, w_camera, true, regularization);
+  result.raised = raised_between(surface, bsdf, w_light, w_camera, &sample, regularization);
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, to_material(surface, as_seen(surface, w_camera)),
                                    to_material(surface, w_light), regularization);
-  result.value = factor / cos_light * normal_correction(surface, w_light);
+  // A clearcoat's own normal may see both at another cosine than the surface does.
+  const double cos_sampled = is_radiance || is_refracted ? cos_light : cos_camera;
+  result.value = factor / cos_sampled * normal_correction(surface, w_light);
   result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;
   // delta(w_camera) = delta(w_light) d w_light / d w_camera, by Snell's law n_l^2 cos_l dw_l = n_c^2 cos_c
   // dw_c.
-  result.forward =
-      (is_radiance ? sample.pdf_reverse : sample.pdf_forward) * index_ratio * cos_camera / cos_light;
+  const double bend = is_refracted ? index_ratio * cos_camera / cos_light : 1.0;
+  result.forward = (is_radiance ? sample.pdf_reverse : sample.pdf_forward) * bend;
   return result;
 }
 

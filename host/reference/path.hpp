@@ -132,6 +132,8 @@ struct SamplingFrame {
   SamplingFrame(const Surface& surface, const glm::dvec3& w_back);
   glm::dvec3 to_local(const glm::dvec3& w) const;
   glm::dvec3 to_world(const glm::dvec3& w) const;
+  /// The surface's bsdf for directions in this frame.
+  Bsdf bsdf_of(const Surface& surface, const Bsdf& bsdf) const;
 
  private:
   bool is_back_;

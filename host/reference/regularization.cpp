@@ -95,10 +95,11 @@ Bsdf without_facets(const Bsdf& bsdf) {
 double value_in_weights(const Bsdf& bsdf, const Bsdf& wide, const dvec3& wo, const dvec3& wi,
                         const Regularization& regularization) {
   const double diffuse = luminance_of(without_facets(bsdf), wo, wi);
-  const dvec3 h = facet_normal(bsdf, wo, wi);
-  const auto of_lobe = [&](const Bsdf& alone, const Microsurface& raised, const dvec2& alpha) {
+  const auto of_lobe = [&](const Bsdf& alone, const Microsurface& raised, const dvec2& alpha,
+                           const dvec3& h) {
     if (raised.alpha == dvec2(0)) return 0.0;
     const double per_density = luminance_of(alone.with_unit_density(), wo, wi) - diffuse;
+    if (per_density == 0) return 0.0;
     const double beta =
         regularization.mis == MIS_BLENDED ? 1 - (alpha.x * alpha.y) / (raised.alpha.x * raised.alpha.y) : 0;
     const double here = distribution(raised, h);
@@ -106,9 +107,11 @@ double value_in_weights(const Bsdf& bsdf, const Bsdf& wide, const dvec3& wo, con
     return per_density * std::pow(here, 1 - beta) * std::pow(peak, beta);
   };
   const BsdfParameters& p = bsdf.parameters();
-  const double base = of_lobe(wide.with_coat_alpha(dvec2(0)), wide.microsurface(), p.alpha);
+  const double base =
+      of_lobe(wide.with_coat_alpha(dvec2(0)), wide.microsurface(), p.alpha, facet_normal(bsdf, wo, wi));
   if (p.clearcoat == 0 || wo.z * wi.z < 0) return diffuse + base;
-  return diffuse + base + of_lobe(wide.with_alpha(dvec2(0)), wide.coat_microsurface(), p.coat_alpha);
+  const dvec3 h = reflection_half_vector(bsdf.to_coat(wo, wo.z < 0), bsdf.to_coat(wi, wo.z < 0));
+  return diffuse + base + of_lobe(wide.with_alpha(dvec2(0)), wide.coat_microsurface(), p.coat_alpha, h);
 }
 
 /// The alpha of the clearcoat's lobe, which has a bound of its own.
@@ -134,8 +137,9 @@ dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Reg
   return glm::max(p.alpha, dvec2(std::min(alpha_tau * regularization.alpha_scale, most)));
 }
 
-std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_delta_event,
-                                      const Regularization& regularization) {
+std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
+                                      const BsdfSample* delta, const Regularization& regularization) {
+  const bool is_delta_event = delta != nullptr;
   const bool has_coat = bsdf.parameters().clearcoat > 0;
   Bsdf wide = bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
   if (has_coat) wide = wide.with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, regularization));
@@ -158,13 +162,16 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   }
   // The microfacet lobes alone, of a delta event those that are deltas: p / rho, from which the density
   // cancels, and with it what is infinite of a delta.
-  const auto shared_alpha = [&](const dvec2& alpha) {
+  const BsdfParameters& p = bsdf.parameters();
+  const bool is_alone = is_delta_event && p.coat_normal;  // the other lobe's delta lies elsewhere
+  const auto shared_alpha = [&](const dvec2& alpha, bool is_coat) {
+    if (is_alone && delta->is_coat != is_coat) return dvec2(0);
     if (alpha == dvec2(0)) return dvec2(DELTA_STAND_IN);
     return is_delta_event && has_coat ? dvec2(0) : alpha;
   };
-  const BsdfParameters& p = bsdf.parameters();
-  const Bsdf lobe =
-      bsdf.with_alpha(shared_alpha(p.alpha)).with_coat_alpha(shared_alpha(p.coat_alpha)).with_unit_density();
+  const Bsdf lobe = bsdf.with_alpha(shared_alpha(p.alpha, false))
+                        .with_coat_alpha(shared_alpha(p.coat_alpha, true))
+                        .with_unit_density();
   const double value = luminance_of(lobe, wo, wi) - diffuse;
   const double scale = value > 0 ? in_weights / value : 0;
   raised.pdf_wi = scale * (lobe.pdf(wo, wi) - smooth.pdf(wo, wi));
@@ -221,7 +228,7 @@ double estimator_bound(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
 
 bool diffuses(const Bsdf& bsdf) {
   if (bsdf.parameters().clearcoat > 0 && bsdf.parameters().coat_alpha.x >= SHARP_ALPHA) return true;
-  return bsdf.parameters().alpha.x >= SHARP_ALPHA || without_facets(bsdf).has_finite_lobe();
+  return bsdf.parameters().alpha.x >= SHARP_ALPHA || without_facets(bsdf).has_finite_lobe({0, 0, 1});
 }
 
 }  // namespace regulus::reference

@@ -38,11 +38,11 @@ struct RaisedScattering {
 glm::dvec2 raised_alpha(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                         const Regularization& regularization);
 
-/// The pair in the bsdf's frame. `is_delta_event`: wi was found by sampling a delta lobe, which outweighs all
-/// others there. Nothing if no connection can stand in for that event: the lobe stays a delta, or weights are
-/// left unmodified.
+/// The pair in the bsdf's frame. `delta`: the pair was found by sampling a delta lobe, which outweighs all
+/// others there; else null. Nothing if no connection can stand in for that event: the lobe stays a delta, or
+/// weights are left unmodified.
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
-                                      bool is_delta_event, const Regularization& regularization);
+                                      const BsdfSample* delta, const Regularization& regularization);
 
 /// What a virtual merge measures in place of the microfacet lobe's value (Kaplanyan and Dachsbacher 2013;
 /// math.md section 7): the mean of value |cos_i| over a cone around wi, over |cos_i| at wi, by tries of the

@@ -34,7 +34,8 @@ BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportM
   if (!is_from_camera && !sides_agree(surface, vertex.w_back)) return {};
   const dvec3 w_back = is_from_camera ? as_seen(surface, vertex.w_back) : vertex.w_back;
   const SamplingFrame frame(surface, vertex.w_back);
-  BsdfSample sample = vertex.bsdf.sample(frame.to_local(w_back), u.x, {u.y, u.z}, transport);
+  BsdfSample sample =
+      frame.bsdf_of(surface, vertex.bsdf).sample(frame.to_local(w_back), u.x, {u.y, u.z}, transport);
   if (!sample.is_valid) return {};
   sample.wi = normalize(frame.to_world(sample.wi));
   if (!is_from_camera) sample.wi = as_seen(surface, sample.wi);
@@ -81,6 +82,11 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
   for (int axis = 0; axis < 3; ++axis)
     surface.shading_normal[axis] = rounding.moved(surface.shading_normal[axis], 2 * UNIT_ROUNDOFF);
   surface.shading_normal = normalize(surface.shading_normal);
+  if (surface.coat_normal != dvec3(0)) {
+    for (int axis = 0; axis < 3; ++axis)
+      surface.coat_normal[axis] = rounding.moved(surface.coat_normal[axis], 2 * UNIT_ROUNDOFF);
+    surface.coat_normal = normalize(surface.coat_normal);
+  }
   if (!is_given) return;  // the rounding of its ray has moved it
   // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
   double size = 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "reference/path.hpp"
 #include "scene/placement.hpp"
 #include "scene/texture.hpp"
 
@@ -72,15 +73,18 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.triangle = index;
   surface.material = triangle.material;
   surface.light = triangle.light;
-  if (!has_smooth_normals_) {
-    set_anisotropy(surface, placed, b);
-    return surface;
-  }
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
-  if (dot(sum, sum) > 1e-12)  // normals that cancel say nothing
+  if (has_smooth_normals_ && dot(sum, sum) > 1e-12)  // normals that cancel say nothing
     surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
-  if (scene_.materials[surface.material].normal_texture != INVALID_INDEX)
-    surface.shading_normal = mapped_normal(surface, placed, b, sum);
+  const Material& material = scene_.materials[surface.material];
+  if ((material.flags & MATERIAL_COAT_NORMAL) != 0)
+    surface.coat_normal = material.clearcoat_normal_texture == INVALID_INDEX
+                              ? surface.shading_normal
+                              : mapped_normal(surface, placed, b, sum, material.clearcoat_normal_texture,
+                                              material.clearcoat_normal_scale);
+  if (material.normal_texture != INVALID_INDEX)
+    surface.shading_normal =
+        mapped_normal(surface, placed, b, sum, material.normal_texture, material.normal_scale);
   set_anisotropy(surface, placed, b);
   return surface;
 }
@@ -133,12 +137,11 @@ void World::set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed
 }
 
 dvec3 World::mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const dvec3& b,
-                           const dvec3& normal) const {
-  const Material& material = scene_.materials[surface.material];
+                           const dvec3& normal, uint32_t texture, double normal_scale) const {
   const glm::dvec4 tangent = tangent_at(placed, b);
   const dvec3 bitangent = tangent.w * cross(normal, dvec3(tangent));
-  const dvec3 texel(texture_at(material.normal_texture, surface.uv));
-  const dvec3 scale(material.normal_scale, material.normal_scale, 1);
+  const dvec3 texel(texture_at(texture, surface.uv));
+  const dvec3 scale(normal_scale, normal_scale, 1);
   const dvec3 map = (2.0 * texel - 1.0) * scale;
   dvec3 mapped = map.x * dvec3(tangent) + map.y * bitangent + map.z * normal;
   if (dot(normal, surface.geometric_normal) < 0) mapped = -mapped;
@@ -171,6 +174,7 @@ Bsdf World::bsdf_at(const Surface& surface) const {
       material.clearcoat_roughness * texture_at(material.clearcoat_roughness_texture, surface.uv).g;
   p.clearcoat = material.clearcoat * texture_at(material.clearcoat_texture, surface.uv).r;
   p.coat_alpha = dvec2(coat_roughness > 0 ? std::max(coat_roughness * coat_roughness, MIN_ALPHA) : 0.0);
+  if (surface.coat_normal != dvec3(0)) p.coat_normal = to_material(surface, surface.coat_normal);
   p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
   p.specular = material.specular * texture_at(material.specular_texture, surface.uv).a;

@@ -17,6 +17,7 @@ struct Surface {
   glm::dvec3 position{0};
   glm::dvec3 geometric_normal{0};
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
+  glm::dvec3 coat_normal{0};     ///< of the clearcoat likewise, where it is not shading_normal; else 0
   glm::dvec4 uv{0};              ///< see scene::texture_coordinates
   glm::dvec4 color{1};           ///< vertex colour
   /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
@@ -80,9 +81,10 @@ class World {
                   uint32_t target = interface::INVALID_INDEX) const;
 
  private:
-  /// Front shading normal by the material's normal map; `normal` is the vertices' sum.
+  /// Front shading normal by a normal map; `normal` is the vertices' sum, that of the surface their
+  /// direction.
   glm::dvec3 mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
-                           const glm::dvec3& normal) const;
+                           const glm::dvec3& normal, uint32_t texture, double normal_scale) const;
   /// Fills what concerns anisotropy, with the shading normal known.
   void set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
   /// Between the vertices, not normalized; w: sign of the bitangent.

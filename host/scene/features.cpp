@@ -78,12 +78,13 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
   for (const uint32_t texture :
        {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
-        material.anisotropy_texture})
+        material.clearcoat_normal_texture, material.anisotropy_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   if (material.specular_texture != INVALID_INDEX || material.specular_color_texture != INVALID_INDEX)
     bits |= interface::FEATURE_SPECULAR_TEXTURES | interface::FEATURE_TEXTURES;
   if (material.normal_texture != INVALID_INDEX)
     bits |= interface::FEATURE_NORMAL_MAPS | interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_TEXTURES;
+  if ((material.flags & interface::MATERIAL_COAT_NORMAL) != 0) bits |= interface::FEATURE_COAT_NORMALS;
   if ((material.flags & (interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND)) != 0)
     bits |= interface::FEATURE_ALPHA;
   if (material.alpha_texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
@@ -152,6 +153,7 @@ std::span<const FeatureDescription> feature_descriptions() {
                          "what rays that leave the scene meet, its sampling and its weight"},
       FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"},
       FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
+      FeatureDescription{FEATURE_COAT_NORMALS, "coat_normals", "clearcoats whose normal is not the base's"},
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",
                          "the question whether a surface is there, in traversal and light sampling"},

@@ -115,9 +115,10 @@ class MaterialBuilder {
     material.clearcoat = factor(number(coat, "clearcoatFactor", 0), "clearcoatFactor");
     material.clearcoat_roughness =
         factor(number(coat, "clearcoatRoughnessFactor", 0), "clearcoatRoughnessFactor");
-    if (coat != nullptr && coat->Has("clearcoatNormalTexture") && material.clearcoat > 0)
-      document_.warn(
-          fmt::format("{}: clearcoatNormalTexture is not read: the coat has the base's normal", name_));
+    const bool has_normals = coat != nullptr && coat->Has("clearcoatNormalTexture");
+    material.clearcoat_normal_scale =
+        in_range(number(has_normals ? &coat->Get("clearcoatNormalTexture") : nullptr, "scale", 1), -FLT_MAX,
+                 FLT_MAX, "clearcoatNormalTexture scale");
     const Value* anisotropy = extension("KHR_materials_anisotropy");
     material.anisotropy = factor(number(anisotropy, "anisotropyStrength", 0), "anisotropyStrength");
     const double rotation = number(anisotropy, "anisotropyRotation", 0);
@@ -214,9 +215,23 @@ class TextureSlots {
     if (material.clearcoat > 0) {
       material.clearcoat_texture = data("KHR_materials_clearcoat", "clearcoatTexture");
       material.clearcoat_roughness_texture = data("KHR_materials_clearcoat", "clearcoatRoughnessTexture");
+      attach_coat_normals(material);
     }
     if (material.anisotropy > 0)
       material.anisotropy_texture = data("KHR_materials_anisotropy", "anisotropyTexture");
+  }
+
+  /// Without a normal map of its own the clearcoat has the vertices' normals, whatever the base has
+  /// (KHR_materials_clearcoat); many files give both the same.
+  void attach_coat_normals(interface::Material& material) {
+    const TextureUse of_base = texture_use(source_.normalTexture);
+    const TextureUse of_coat = texture_use(source_, "KHR_materials_clearcoat", "clearcoatNormalTexture");
+    if (of_coat.texture == of_base.texture && of_coat.mapping == of_base.mapping &&
+        material.clearcoat_normal_scale == material.normal_scale)
+      return;
+    material.clearcoat_normal_texture = load(of_coat, TextureContent::Data);
+    if (material.clearcoat_normal_texture != INVALID_INDEX || material.normal_texture != INVALID_INDEX)
+      material.flags |= interface::MATERIAL_COAT_NORMAL;
   }
 
   uint32_t load(const TextureUse& use, TextureContent content) {
@@ -265,18 +280,22 @@ interface::Material untextured_material() {
        {&material.base_color_texture, &material.metallic_roughness_texture, &material.specular_texture,
         &material.specular_color_texture, &material.emissive_texture, &material.transmission_texture,
         &material.normal_texture, &material.alpha_texture, &material.clearcoat_texture,
-        &material.clearcoat_roughness_texture, &material.anisotropy_texture})
+        &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture,
+        &material.anisotropy_texture})
     *texture = INVALID_INDEX;
   return material;
 }
 
 bool needs_tangents(const tinygltf::Material& material) {
   if (is_unlit(material)) return false;
-  const auto anisotropy = material.extensions.find("KHR_materials_anisotropy");
-  const bool is_anisotropic = anisotropy != material.extensions.end() &&
-                              anisotropy->second.Has("anisotropyStrength") &&
-                              anisotropy->second.Get("anisotropyStrength").GetNumberAsDouble() > 0;
-  return is_anisotropic || material.normalTexture.index >= 0;
+  const auto is_positive = [&](const char* extension, const char* factor) {
+    const auto found = material.extensions.find(extension);
+    return found != material.extensions.end() && found->second.Has(factor) &&
+           found->second.Get(factor).GetNumberAsDouble() > 0;
+  };
+  const TextureUse of_coat = texture_use(material, "KHR_materials_clearcoat", "clearcoatNormalTexture");
+  return material.normalTexture.index >= 0 || is_positive("KHR_materials_anisotropy", "anisotropyStrength") ||
+         (of_coat.texture >= 0 && is_positive("KHR_materials_clearcoat", "clearcoatFactor"));
 }
 
 bool may_emit(const tinygltf::Material& material) {

@@ -131,6 +131,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"specularColorTexture", {Kind::Object}},
       {"clearcoatTexture", {Kind::Object}},
       {"clearcoatRoughnessTexture", {Kind::Object}},
+      {"clearcoatNormalTexture", {Kind::Object}},
       {"anisotropyTexture", {Kind::Object}},
       {"perspective", {Kind::Object}},
       {"orthographic", {Kind::Object}},
@@ -149,6 +150,10 @@ const std::map<std::string_view, Rule>& rules() {
       {"textures", {Kind::ObjectArray}},
   };
   return table;
+}
+
+bool is_normal_texture(std::string_view member) {
+  return member == "normalTexture" || member == "clearcoatNormalTexture";
 }
 
 /// Members that mean something else inside an extension or a normal texture: rules by that name and member,
@@ -259,7 +264,7 @@ class Checker {
       case Kind::Object:
         if (!value.is_object()) refuse(path, "an object");
         if (key == "extensions") return check_extensions(value, path);
-        return check_object(value, path, key == "normalTexture" ? std::string_view(key) : std::string_view());
+        return check_object(value, path, is_normal_texture(key) ? "normalTexture" : std::string_view());
       case Kind::ObjectArray:
         return check_objects(value, path);
     }

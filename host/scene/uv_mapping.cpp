@@ -57,6 +57,7 @@ std::vector<UvMapping> mappings_of(const tinygltf::Material& material) {
           {"KHR_materials_specular", "specularColorTexture"},
           {"KHR_materials_clearcoat", "clearcoatTexture"},
           {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
+          {"KHR_materials_clearcoat", "clearcoatNormalTexture"},
           {"KHR_materials_anisotropy", "anisotropyTexture"}})
       uses.push_back(texture_use(material, extension, texture));
   }
@@ -112,7 +113,10 @@ interface::Texture MaterialUvs::placement(const UvMapping& mapping) const {
 MaterialUvs material_uvs(Document& document, const tinygltf::Material& material, const std::string& name) {
   const std::vector<UvMapping> mappings = mappings_of(material);
   MaterialUvs uvs;
-  uvs.of_normals = texture_use(material.normalTexture).mapping;
+  const TextureUse of_base = texture_use(material.normalTexture);
+  uvs.of_normals = of_base.texture >= 0
+                       ? of_base.mapping
+                       : texture_use(material, "KHR_materials_clearcoat", "clearcoatNormalTexture").mapping;
   if (mappings.empty()) return uvs;
   uvs.first = mappings.front();
   if (std::ranges::all_of(mappings, [&](const UvMapping& mapping) { return mapping == uvs.first; }))

@@ -41,7 +41,7 @@ TextureUse texture_use(const tinygltf::Material& material, const char* extension
 struct MaterialUvs {
   UvMapping first;                ///< applied to the vertices' first coordinates
   std::optional<int> second_set;  ///< TEXCOORD_n of their second coordinates
-  UvMapping of_normals;           ///< of the normal texture, relative to the sets of the file
+  UvMapping of_normals;  ///< of the normal texture, or else the clearcoat's, relative to the sets of the file
 
   /// How a texture finds its coordinates from the vertices': the flags and rows of interface::Texture, the
   /// rest 0.

@@ -52,6 +52,7 @@ REGULUS_CONSTANT MATERIAL_EMISSIVE = 4u;
 REGULUS_CONSTANT MATERIAL_UNLIT = 8u;           // its emission is its base colour: vertex colours scale it
 REGULUS_CONSTANT MATERIAL_ALPHA_MASK = 16u;     // not there where alpha is below the cut-off
 REGULUS_CONSTANT MATERIAL_ALPHA_BLEND = 32u;    // there with the probability alpha
+REGULUS_CONSTANT MATERIAL_COAT_NORMAL = 64u;    // the clearcoat's normal is not the base's
 
 // Material classes: which lobes a material can have, so that each class has its own bounce queue and a
 // pipeline without the code of the other lobes. In a triangle's tag (see bvh.h) the low 8 bits.
@@ -92,11 +93,13 @@ struct Material {
   float clearcoat_roughness;        // perceptual
   uint clearcoat_texture;           // R
   uint clearcoat_roughness_texture; // G
+  uint clearcoat_normal_texture;    // as normal_texture; absent: the vertices' normal. Only with MATERIAL_COAT_NORMAL
+  float clearcoat_normal_scale;
   float anisotropy;                 // strength, [0, 1]: alpha along the direction is mix(alpha, 1, strength^2)
   vec2 anisotropy_direction;        // unit, in the tangent frame: where the roughness is stretched to
   uint anisotropy_texture;          // RG: 2 texel - 1, a direction turned with anisotropy_direction; B: strength
 };
-REGULUS_LAYOUT(Material, 152);
+REGULUS_LAYOUT(Material, 160);
 
 // Wrap modes (glTF sampler), filters and coordinates, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

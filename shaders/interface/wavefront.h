@@ -93,6 +93,7 @@ REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;   // some texture is TEXTU
 REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;         // some texture reads the vertices' second coordinates
 REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
 REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored once for several copies
+REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MATERIAL_COAT_NORMAL; implies CLEARCOAT
 
 // Techniques (design.md section 1).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;

@@ -14,7 +14,10 @@
 //
 // Under a clearcoat of weight c, with T(w) = 1 - c F_c(cos_w) on the coated side and 1 on the other:
 //   T(wo) T(wi) (all of the above) + c F_c(wo.h) D_c G2_c / (4 cos_o cos_i),  F_c = Schlick from 0.04
-// KHR_materials_clearcoat in the reciprocal form that it allows. With --energy-compensation see lib/energy.glsl.
+// KHR_materials_clearcoat in the reciprocal form that it allows. Of a coat with a normal of its own these cosines are those
+// with that normal, and its lobe has the factor |cos with the coat's normal| / |cos with the base's| of the direction to the
+// light: it reflects what falls on the coat. As with all shading normals that is a function of the path.
+// With --energy-compensation see lib/energy.glsl.
 //
 // A walk chooses the coat with probability P_c, the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
 // normal, then reflection or transmission by the Fresnel weights there.
@@ -82,26 +85,35 @@ struct Lobes {
   float coat_density;
 };
 
+// Terms of the clearcoat's lobe with this alpha.
+MicrofacetTerms coat_microfacet_terms(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 alpha) {
+  return microfacet_terms(to_coat(bsdf, wo), to_coat(bsdf, wi), to_coat(bsdf, facet.h), facet.o_dot_h, facet.i_dot_h, alpha,
+                          false);
+}
+
 // Adds the clearcoat's lobe at (wo, wi) and puts the others under it. position_o, position_i: Fresnel positions of the
 // base in both directions.
-void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec2 position_i, inout Lobes lobes) {
-  float cos_i = abs(wi.z);
+void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec2 position_i, uint transport,
+              inout Lobes lobes) {
   float coat_i = facet.is_transmitted ? bsdf.coat_across : bsdf.coat;
-  float passed = coat_transmittance(bsdf.coat, wo.z) * coat_transmittance(coat_i, cos_i);
+  float cosine_o = coat_cosine(bsdf, wo), cosine_i = coat_cosine(bsdf, wi);
+  float passed = coat_transmittance(bsdf.coat, abs(cosine_o)) * coat_transmittance(coat_i, abs(cosine_i));
   lobes.diffuse *= passed;
   lobes.weight *= passed;
-  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, position_o);
-  vec2 chosen_i = coat_choice(bsdf, coat_i, cos_i, position_i);
+  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, cosine_o, position_o);
+  vec2 chosen_i = coat_choice(bsdf, coat_i, abs(wi.z), cosine_i, position_i);
   lobes.diffuse_forward *= chosen_o.y;
   lobes.choice_forward *= chosen_o.y;
   lobes.diffuse_reverse *= chosen_i.y;
   lobes.choice_reverse *= chosen_i.y;
   if (facet.is_transmitted || !(bsdf.coat > 0.0)) return;
+  if (bsdf_has_coat_normal() && !(min(cosine_o, cosine_i) > 0.0)) return;
   lobes.coat_weight = coat_reflectance(bsdf.coat, facet.o_dot_h);
+  if (bsdf_has_coat_normal())
+    lobes.coat_weight *= transport == TRANSPORT_RADIANCE ? cosine_i / max(wi.z, MIN_COS) : cosine_o / max(wo.z, MIN_COS);
   lobes.coat_forward = chosen_o.x;
   lobes.coat_reverse = chosen_i.x;
-  lobes.coat_terms =
-      microfacet_terms(wo, wi, facet.h, facet.o_dot_h, facet.i_dot_h, max(bsdf.coat_alpha, vec2(MIN_ALPHA)), false);
+  lobes.coat_terms = coat_microfacet_terms(bsdf, wo, wi, facet, max(bsdf.coat_alpha, vec2(MIN_ALPHA)));
   if (bsdf.coat_alpha.x > 0.0) lobes.coat_density = min(0.25 * lobes.coat_terms.density, MAX_DENSITY);
 }
 
@@ -144,7 +156,7 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   lobes.diffuse_forward = diffuse_o * cos_i * same_side;
   lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
-    if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, lobes);
+    if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
     return lobes;
   }
 
@@ -186,7 +198,7 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   lobes.choice_forward = (1.0 - diffuse_o) * reflect_o;
   lobes.choice_reverse = (1.0 - diffuse_i) * reflect_i * reverse_scale;
-  if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, lobes);
+  if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
   return lobes;
 }
 
@@ -259,10 +271,17 @@ struct FacetEvent {
 // is_coat: of the clearcoat, which only reflects.
 FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, bool is_coat, float u_choice, vec2 u) {
   vec2 alpha = is_coat ? bsdf.coat_alpha : bsdf.alpha;
-  Facet visible = Facet(vec3(0.0, 0.0, 1.0), wo.z);
+  vec3 w = wo;  // in the frame of the lobe
+  if (bsdf_has_coat_normal() && is_coat) w = to_coat(bsdf, wo);
+  Facet visible = Facet(vec3(0.0, 0.0, 1.0), w.z);
   if (bsdf_has_rough()) {
-    Facet rough = sample_visible_normal(wo, max(alpha, vec2(MIN_ALPHA)), u, u_choice);
+    Facet rough = sample_visible_normal(w, max(alpha, vec2(MIN_ALPHA)), u, u_choice);
     if (!bsdf_has_delta() || alpha.x > 0.0) visible = rough;
+  }
+  bool is_seen = true;
+  if (bsdf_has_coat_normal() && is_coat) {
+    is_seen = w.z > 0.0 && 2.0 * visible.w_dot_h * visible.h.z - w.z > 0.0;  // by the coat, as is what it sends on
+    visible.h = from_coat(bsdf, visible.h);
   }
   FacetEvent event;
   float c = visible.w_dot_h;
@@ -272,7 +291,7 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, bool is_coat, float u_choice, 
   bool is_transmitted = bsdf_has_transmission() && !is_coat && u_choice >= event.probability;
   bool is_refracted = is_transmitted && !bsdf.is_thin;
   event.wi = 2.0 * c * visible.h - wo;
-  bool is_valid = c > 0.0 && event.wi.z > 0.0;
+  bool is_valid = c > 0.0 && event.wi.z > 0.0 && is_seen;
   if (bsdf_has_transmission() && is_transmitted) {
     event.probability = 1.0 - event.probability;
     event.wi.z = -event.wi.z;
@@ -289,27 +308,37 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, bool is_coat, float u_choice, 
   return event;
 }
 
-// Puts a delta event of the base under the clearcoat. Both reflect to the same side if both are deltas; a lobe that is
-// none has no part in the event.
-void add_coat_to_delta(Bsdf bsdf, vec3 wo, FacetEvent event, inout BsdfEval eval) {
+// Which of the two microfacet lobes have a part in an event that one of them, a delta, has made. Both reflect to the same
+// side if both are deltas and have the same normal.
+bool base_is_in_event(Bsdf bsdf, bool is_coat) { return !(bsdf.alpha.x > 0.0) && !(is_coat && bsdf.is_coat_turned); }
+bool coat_is_in_event(Bsdf bsdf, bool is_coat) { return !(bsdf.coat_alpha.x > 0.0) && (is_coat || !bsdf.is_coat_turned); }
+
+// Puts a delta event of the base under the clearcoat; a lobe that has no part in it is left out.
+// position_o, position_i: the base's Fresnel positions in both directions.
+void add_coat_to_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, uint transport, vec2 position_o, vec2 position_i,
+                       inout BsdfEval eval) {
   bool is_transmitted = event.facet.is_transmitted;
-  float cos_i = abs(event.wi.z);
   float coat_i = is_transmitted ? bsdf.coat_across : bsdf.coat;
-  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, event.position);
-  vec2 chosen_i = coat_choice(bsdf, coat_i, cos_i, event.position);
-  float base = bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
-  eval.value *= base * coat_transmittance(bsdf.coat, wo.z) * coat_transmittance(coat_i, cos_i);
+  float cosine_o = coat_cosine(bsdf, wo), cosine_i = coat_cosine(bsdf, event.wi);
+  vec2 chosen_o = coat_choice(bsdf, bsdf.coat, wo.z, cosine_o, position_o);
+  vec2 chosen_i = coat_choice(bsdf, coat_i, abs(event.wi.z), cosine_i, position_i);
+  float base = base_is_in_event(bsdf, is_coat) ? 1.0 : 0.0;
+  eval.value *= base * coat_transmittance(bsdf.coat, abs(cosine_o)) * coat_transmittance(coat_i, abs(cosine_i));
   eval.pdf_forward *= base * chosen_o.y;
   eval.pdf_reverse *= base * chosen_i.y;
-  if (is_transmitted || bsdf.coat_alpha.x > 0.0) return;
-  eval.value += coat_reflectance(bsdf.coat, wo.z);
+  if (is_transmitted || !coat_is_in_event(bsdf, is_coat)) return;
+  // Of radiance the coat reflects its share, whatever the angle to the base; a light walk's factor is |cos_i| / |cos_o| of
+  // that.
+  float turned = 1.0;
+  if (bsdf_has_coat_normal() && transport == TRANSPORT_IMPORTANCE) turned = abs(event.wi.z) / max(wo.z, MIN_COS);
+  eval.value += coat_reflectance(bsdf.coat, abs(cosine_o)) * turned;
   eval.pdf_forward += chosen_o.x;
   eval.pdf_reverse += chosen_i.x;
 }
 
 // Factor and discrete probabilities of a delta event (alpha = 0, h = z). The reverse walk meets the surface at
 // the same Fresnel position: the exact reflectance is that of both directions of a refracted pair.
-BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, uint transport) {
+BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, float diffuse_o, uint transport) {
   float cos_i = abs(event.wi.z);
   float reflect_i = reflection_probability(bsdf, event.position, cos_i);
   // An event of the clearcoat brings the base's along; its own choice was not the base's.
@@ -325,7 +354,14 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, float diffuse_o, u
   }
   eval.pdf_forward = (1.0 - diffuse_o) * reflect_o;
   eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position)) * reflect_i;
-  if (bsdf_has_coat()) add_coat_to_delta(bsdf, wo, event, eval);
+  if (bsdf_has_coat()) {
+    vec2 position_o = event.position, position_i = event.position;
+    if (bsdf_has_coat_normal() && is_coat && bsdf.is_coat_turned) {
+      position_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
+      position_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, bsdf.excess), bsdf.excess);
+    }
+    add_coat_to_delta(bsdf, wo, event, is_coat, transport, position_o, position_i, eval);
+  }
   return eval;
 }
 
@@ -344,7 +380,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   if (bsdf_has_specular()) {
     vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
-    float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, s_o).x : 0.0;
+    float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, coat_cosine(bsdf, wo), s_o).x : 0.0;
     is_coat = bsdf_has_coat() && u_lobe < coat_o;
     if (bsdf_has_coat()) {
       u_lobe = is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);
@@ -355,7 +391,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
     if (is_coat) u_choice = u_lobe;
     FacetEvent event = sample_facet_event(bsdf, wo, is_coat, u_choice, u);
     is_delta = !is_diffuse && bsdf_has_delta() && (is_coat ? bsdf.coat_alpha.x : bsdf.alpha.x) == 0.0;
-    if (bsdf_has_delta()) delta = evaluate_delta(bsdf, wo, event, diffuse_o, transport);
+    if (bsdf_has_delta()) delta = evaluate_delta(bsdf, wo, event, is_coat, diffuse_o, transport);
     wi = is_diffuse ? diffuse_wi : event.wi;
     if (!is_diffuse) facet = event.facet;
   }

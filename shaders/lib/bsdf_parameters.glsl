@@ -6,6 +6,7 @@
 #include "lib/energy.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/ndf.glsl"
+#include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
 // What this pipeline can meet. Macros of one comparison each: a branch on one is resolved before the driver sees the
@@ -15,6 +16,7 @@
 #define bsdf_has_transmission() (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
 #define bsdf_has_rough() (spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
 #define bsdf_has_coat() (spec_material_class * (spec_features & FEATURE_CLEARCOAT) != 0u)
+#define bsdf_has_coat_normal() (spec_material_class * (spec_features & FEATURE_COAT_NORMALS) != 0u)
 #define bsdf_has_delta() (spec_material_class * (spec_features & FEATURE_DELTA_SPECULAR) != 0u)
 
 #define compensates_energy() \
@@ -53,6 +55,8 @@ struct Bsdf {
   float coat;            // clearcoat weight on the side of wo
   float coat_across;     // and on the other side, as transmitted light meets it
   vec2 coat_alpha;       // 0: delta
+  vec3 coat_normal;      // local, on the side of wo; only with bsdf_has_coat_normal(), as is
+  bool is_coat_turned;   // MATERIAL_COAT_NORMAL: it is another than z
   EnergyTables energy;   // only with compensates_energy(), as is
   bool is_solid;         // it refracts
 };
@@ -85,6 +89,28 @@ float transmitted_luminance(Bsdf bsdf, vec2 position) {
   return bsdf_has_transmission() ? bsdf.transmitted_luminance.x + position.y * bsdf.transmitted_luminance.y : 0.0;
 }
 
+// A direction in the clearcoat's own frame: z is its normal on the side of wo.
+vec3 to_coat(Bsdf bsdf, vec3 w) {
+  if (!bsdf_has_coat_normal()) return w;
+  vec3 tangent, bitangent;
+  orthonormal_basis(bsdf.coat_normal, tangent, bitangent);
+  return bsdf.is_coat_turned ? vec3(dot(w, tangent), dot(w, bitangent), dot(w, bsdf.coat_normal)) : w;
+}
+
+vec3 from_coat(Bsdf bsdf, vec3 w) {
+  if (!bsdf_has_coat_normal()) return w;
+  vec3 tangent, bitangent;
+  orthonormal_basis(bsdf.coat_normal, tangent, bitangent);
+  return bsdf.is_coat_turned ? w.x * tangent + w.y * bitangent + w.z * bsdf.coat_normal : w;
+}
+
+// Cosine of w with the clearcoat's normal on w's own side of the surface. Not positive: the coat's lobe does not see w.
+float coat_cosine(Bsdf bsdf, vec3 w) {
+  if (!bsdf_has_coat_normal()) return abs(w.z);
+  float cosine = bsdf.is_coat_turned ? dot(w, bsdf.coat_normal) : w.z;
+  return clamp(w.z < 0.0 ? -cosine : cosine, -1.0, 1.0);
+}
+
 // Share of light that a clearcoat of this weight reflects at cosine c.
 float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
 
@@ -94,13 +120,13 @@ float coat_transmittance(float weight, float c) {
   return (1.0 - weight) + weight * (1.0 - COAT_F0) * clamp(schlick_rest, 0.0, 1.0);
 }
 
-// Probabilities of sampling the coat and the base from a direction with cosine c on a side with that coat, and the
-// base's Fresnel position: by what coat and base would reflect or transmit.
-vec2 coat_choice(Bsdf bsdf, float weight, float c, vec2 position) {
-  float coat = coat_reflectance(weight, c);
+// Probabilities of sampling the coat and the base from a direction with cosine c (coat_c: coat_cosine) on a side with that
+// coat, and the base's Fresnel position: by what coat and base would reflect or transmit.
+vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) {
+  float coat = coat_c > 0.0 ? coat_reflectance(weight, coat_c) : 0.0;
   float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
                reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
-  float below = coat_transmittance(weight, c) * max(base, 0.0);
+  float below = coat_transmittance(weight, abs(coat_c)) * max(base, 0.0);
   return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
 }
 
@@ -130,6 +156,8 @@ Bsdf make_bsdf(Material material, bool is_front) {
     bsdf.coat = 0.0;
     bsdf.coat_across = 0.0;
     bsdf.coat_alpha = vec2(0.0);
+    bsdf.coat_normal = vec3(0.0, 0.0, 1.0);
+    bsdf.is_coat_turned = false;
     return bsdf;
   }
   float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
@@ -148,6 +176,9 @@ Bsdf make_bsdf(Material material, bool is_front) {
   bsdf.coat_across = is_solid && is_front ? 0.0 : material.clearcoat;
   float coat_alpha = square(material.clearcoat_roughness);
   bsdf.coat_alpha = vec2(material.clearcoat_roughness > 0.0 ? max(coat_alpha, MIN_ALPHA) : 0.0);
+
+  bsdf.coat_normal = vec3(0.0, 0.0, 1.0);  // where it is turned the caller says how
+  bsdf.is_coat_turned = (material.flags & MATERIAL_COAT_NORMAL) != 0u;
 
   // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
   float ior = material.ior;

@@ -107,7 +107,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
 
   path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
   path.direction = normalize(direction);
-  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, regularization);
+  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, TRANSPORT_RADIANCE, regularization);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
   float cos_out = dot(direction, point.geometric_normal);
   count_copies(counts, history.ratio, walk.ratio, vertex);

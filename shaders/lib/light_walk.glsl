@@ -123,7 +123,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   path.direction = normalize(direction);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
   Regularization regularization = regularization_of(frame, path.sample_index, true);
-  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, regularization);
+  WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, TRANSPORT_IMPORTANCE, regularization);
   if (is_regularized()) {
     // Seen by a camera that has not diffused the surface here is not regularized.
     float sharp_ratio = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : 1.0;

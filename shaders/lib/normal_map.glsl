@@ -17,15 +17,15 @@ vec4 vertex_tangent(Frame frame, PlacedTriangle placed, vec2 barycentrics) {
   return vec4((1.0 - barycentrics.x - barycentrics.y) * t0.xyz + barycentrics.x * t1 + barycentrics.y * t2, t0.w);
 }
 
-// Unit shading normal of the front side.
-vec3 mapped_normal(Frame frame, uint triangle_number, vec2 barycentrics, Surface surface, Material material) {
+// Unit shading normal of the front side by a texture whose x and y are scaled. The surface's own is the vertices'.
+vec3 mapped_normal(Frame frame, uint triangle_number, vec2 barycentrics, Surface surface, uint image, float scale) {
   PlacedTriangle placed = placed_triangle(frame, triangle_number);
   vec3 normal = (1.0 - barycentrics.x - barycentrics.y) * placed_vertex(frame, placed, placed.triangle.v0).normal +
                 barycentrics.x * placed_vertex(frame, placed, placed.triangle.v1).normal +
                 barycentrics.y * placed_vertex(frame, placed, placed.triangle.v2).normal;
   vec4 tangent = vertex_tangent(frame, placed, barycentrics);
-  vec3 map = sample_texture(frame.textures, frame.texels, material.normal_texture, surface.uv).xyz * 2.0 - 1.0;
-  map.xy *= material.normal_scale;
+  vec3 map = sample_texture(frame.textures, frame.texels, image, surface.uv).xyz * 2.0 - 1.0;
+  map.xy *= scale;
   vec3 mapped = map.x * tangent.xyz + (map.y * tangent.w) * cross(normal, tangent.xyz) + map.z * normal;
   if (dot(normal, surface.geometric_normal) < 0.0) mapped = -mapped;
   float squared = dot(mapped, mapped);

@@ -25,7 +25,8 @@ const float SHARP_ALPHA = 0.05;
 
 bool diffuses(Bsdf bsdf) {
   if (!bsdf_has_specular()) return true;
-  if (bsdf_has_coat() && bsdf.coat > 0.0 && bsdf.coat_alpha.x >= SHARP_ALPHA) return true;
+  // From inside as from outside: this is a function of the path.
+  if (bsdf_has_coat() && max(bsdf.coat, bsdf.coat_across) > 0.0 && bsdf.coat_alpha.x >= SHARP_ALPHA) return true;
   return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
 }
 
@@ -124,10 +125,11 @@ struct RaisedCoat {
 
 RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   if (facet.is_transmitted || !(bsdf.coat > 0.0)) return RaisedCoat(0.0, 0.0);
+  if (bsdf_has_coat_normal() && !(lobes.coat_weight > 0.0)) return RaisedCoat(0.0, 0.0);  // not seen by its normal
   float alpha_tau = reflection_alpha(regularization.tau, facet.o_dot_h) * regularization.alpha_scale;
   vec2 alpha = max(bsdf.coat_alpha, vec2(min(alpha_tau, largest_alpha())));
   if (!(alpha.x > 0.0)) return RaisedCoat(0.0, 0.0);
-  MicrofacetTerms raised = microfacet_terms(wo, wi, facet.h, facet.o_dot_h, facet.i_dot_h, max(alpha, vec2(MIN_ALPHA)), false);
+  MicrofacetTerms raised = coat_microfacet_terms(bsdf, wo, wi, facet, max(alpha, vec2(MIN_ALPHA)));
   float density = min(0.25 * raised.density, MAX_DENSITY);
   float blended = density;
   if (spec_mis == MIS_BLENDED) {
@@ -147,8 +149,8 @@ struct RegularizedLobes {
   float ratio;               // rho^W / rho; 0 where rho is a delta's
 };
 
-// is_delta_event: the pair came from sampling a delta lobe, which outweighs all others there.
-RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, bool is_delta_event,
+// is_delta_event: the pair came from sampling a delta lobe, which outweighs all others there; is_coat: the clearcoat's.
+RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, bool is_delta_event, bool is_coat,
                             Regularization regularization) {
   vec2 alpha = regularized_alpha(bsdf, facet, regularization);
   vec3 wi_facet = facet.is_refracted ? wi : vec3(wi.xy, abs(wi.z));
@@ -180,8 +182,8 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
     if (is_delta_event || !(value > 1e-30)) {
       // As below, for the one or two lobes that make the event.
       result.ratio = 0.0;
-      float base = is_delta_event && bsdf.alpha.x > 0.0 ? 0.0 : 1.0;
-      float over = is_delta_event && bsdf.coat_alpha.x > 0.0 ? 0.0 : 1.0;
+      float base = is_delta_event && !base_is_in_event(bsdf, is_coat) ? 0.0 : 1.0;
+      float over = is_delta_event && !coat_is_in_event(bsdf, is_coat) ? 0.0 : 1.0;
       float shared_value = base * weight * lobes.terms.shadowing + over * lobes.coat_weight * lobes.coat_terms.shadowing;
       float per_choice = value_in_weights / max(shared_value, 1e-30);
       result.pdf_forward = per_choice * (base * lobes.choice_forward * lobes.terms.visibility_o +
@@ -289,7 +291,7 @@ ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regular
   result.eval = result.plain;
   if (has_sampler_quality()) result.bound = estimator_bound(bsdf, lobes, wo, wi, facet, regularization);
   if (!bsdf_has_specular()) return result;
-  RegularizedLobes raised = regularize(bsdf, lobes, wo, wi, facet, false, regularization);
+  RegularizedLobes raised = regularize(bsdf, lobes, wo, wi, facet, false, false, regularization);
   result.ratio = raised.ratio;
   result.eval.value = raised.value;
   if (is_virtual_merge() && regularization.alpha_scale > 0.0 &&
@@ -312,7 +314,8 @@ struct WalkPdf {
   float bound;          // rho-bar, 1/sr
 };
 
-WalkPdf walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regularization) {
+// transport: of the walk.
+WalkPdf walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, uint transport, Regularization regularization) {
   bool is_delta = (event.flags & BSDF_SAMPLE_DELTA) != 0u;
   WalkPdf result;
   result.plain_inverse = is_delta ? 0.0 : 1.0 / event.pdf_forward;
@@ -321,13 +324,14 @@ WalkPdf walk_pdf(Bsdf bsdf, vec3 wo, BsdfSample event, Regularization regulariza
   result.bound = 0.0;
   if (!is_regularized()) return result;
   if (has_sampler_quality()) {
-    Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
+    Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
     result.bound = estimator_bound(bsdf, lobes, wo, event.wi, event.facet, regularization);
   }
   if (spec_mis == MIS_UNMODIFIED || !bsdf_has_specular() || regularization.alpha_scale == 0.0) return result;
   if (is_delta && regularized_alpha(bsdf, event.facet, regularization).x == 0.0) return result;
-  Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_IMPORTANCE);
-  RegularizedLobes raised = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, regularization);
+  Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
+  bool is_coat = (event.flags & BSDF_SAMPLE_COAT) != 0u;
+  RegularizedLobes raised = regularize(bsdf, lobes, wo, event.wi, event.facet, is_delta, is_coat, regularization);
   result.inverse = raised.pdf_forward > 0.0 ? 1.0 / raised.pdf_forward : 0.0;
   result.ratio = raised.ratio;
   return result;

@@ -80,6 +80,14 @@ void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics,
   point.bitangent = cross(point.normal, point.tangent);
 }
 
+// Unit normal of the clearcoat on the front side; `surface` as the vertices say.
+vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface, Material material) {
+  if ((spec_features & FEATURE_TEXTURES) == 0u || material.clearcoat_normal_texture == INVALID_INDEX)
+    return surface.shading_normal;
+  return mapped_normal(frame, triangle, barycentrics, surface, material.clearcoat_normal_texture,
+                       material.clearcoat_normal_scale);
+}
+
 // wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE.
 ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport) {
   ShadingPoint point;
@@ -88,8 +96,12 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   float side = point.is_front ? 1.0 : -1.0;
   point.geometric_normal = side * point.surface.geometric_normal;
   point.material = LOAD(MaterialBuffer, frame.materials, point.surface.material);
+  vec3 of_coat = vec3(0.0);
+  if (bsdf_has_coat_normal() && (point.material.flags & MATERIAL_COAT_NORMAL) != 0u)
+    of_coat = side * coat_normal(frame, triangle, barycentrics, point.surface, point.material);
   if ((spec_features & FEATURE_NORMAL_MAPS) != 0u && point.material.normal_texture != INVALID_INDEX)
-    point.surface.shading_normal = mapped_normal(frame, triangle, barycentrics, point.surface, point.material);
+    point.surface.shading_normal = mapped_normal(frame, triangle, barycentrics, point.surface, point.material.normal_texture,
+                                                 point.material.normal_scale);
   point.normal = side * point.surface.shading_normal;
   orthonormal_basis(point.normal, point.tangent, point.bitangent);
   if ((spec_features & FEATURE_ANISOTROPY) != 0u && point.material.anisotropy > 0.0)
@@ -97,6 +109,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
   apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
+  if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
   if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);
   return point;
 }

@@ -3,6 +3,7 @@
 // weights.
 #include <gtest/gtest.h>
 
+#include <glm/gtc/matrix_transform.hpp>
 #include <map>
 #include <span>
 
@@ -230,13 +231,8 @@ TEST_F(LightSubpaths, AgreeOnAlpha) {
 }
 
 // A smooth coat over paint, a rough one over a mirror, a brushed metal: two microfacet lobes at one vertex,
-// one of them a delta or not.
+// one of them a delta or not; and coats whose relief is not that of what they cover.
 TEST_F(LightSubpaths, AgreeOnCoatsAndAnisotropy) {
-  const auto coated = [](nlohmann::json material, double roughness) {
-    material["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 0.9},
-                                                         {"clearcoatRoughnessFactor", roughness}};
-    return material;
-  };
   nlohmann::json brushed = metal({0.7, 0.7, 0.7}, 0.4);
   brushed["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.7},
                                                        {"anisotropyRotation", 0.5}};
@@ -246,7 +242,9 @@ TEST_F(LightSubpaths, AgreeOnCoatsAndAnisotropy) {
   Corners corners;
   for (const Polygon& polygon : block)
     for (const glm::dvec3& p : polygon) corners.uvs.emplace_back(p.x + 0.5 * p.y, p.z - p.y);
-  scene.add(block, brushed, glm::dmat4(1), corners);
+  scene.add(block, coated(brushed, 0.5, relief(scene)), glm::dmat4(1), corners);
+  const glm::dmat4 aside = glm::translate(glm::dmat4(1), {-0.65, 0.1, 0.2});
+  scene.add(block, bumpy(scene, coated(plastic({0.2, 0.5, 0.3}, 0.7), 0)), aside, corners);
   scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
   expect_sets_agree("coats", scene, {{"vcm", VCM}});
 }

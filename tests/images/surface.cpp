@@ -245,5 +245,36 @@ TEST_F(Surfaces, ClearcoatsReflectAndPass) {
   }
 }
 
+// A smooth coat over black, whose own normal turns what it reflects away from the camera: onto the one wall
+// of a room that shines, with the share that Schlick's F has at that normal. The base's normal has no say.
+TEST_F(Surfaces, ClearcoatsHaveTheirOwnNormals) {
+  const NormalMapped of_coat{{204, 100, 220}, 0.7}, of_base{{90, 160, 230}, 1};
+  GltfScene scene = above_square();
+  json coated = of_base.material(scene, dvec3(0));
+  coated["extensions"]["KHR_materials_specular"] = {{"specularFactor", 0}};
+  coated["extensions"]["KHR_materials_clearcoat"] = {
+      {"clearcoatFactor", 0.8},
+      {"clearcoatNormalTexture", of_coat.material(scene, dvec3(0))["normalTexture"]}};
+  Corners corners;
+  corners.uvs = uvs_along({1, 0, 0}, {0, 1, 0});
+  scene.add({SQUARE}, coated, glm::dmat4(1), corners);
+  const dvec3 n = of_coat.normal();
+  const dvec3 reflected = 2 * n.z * n - dvec3(0, 0, 1);
+  ASSERT_GT(reflected.x, 0.5);
+  scene.add({quad({2, -9, 0}, {0, 0, 9}, {0, 18, 0})}, emitter({1, 0.5, 0.25}));  // faces -x
+  const double known = 0.8 * (0.04 + 0.96 * std::pow(1 - n.z, 5));
+  expect_image("clearcoat's normal", scene, [&](const dvec2&) { return known * dvec3(1, 0.5, 0.25); });
+
+  // Without a map of its own the coat is as smooth as the mesh, whatever the base: it reflects the dark
+  // above.
+  coated["extensions"]["KHR_materials_clearcoat"].erase("clearcoatNormalTexture");
+  GltfScene plain = above_square();
+  coated["normalTexture"] = of_base.material(plain, dvec3(0))["normalTexture"];
+  plain.add({SQUARE}, coated, glm::dmat4(1), corners);
+  plain.add({quad({2, -9, 0}, {0, 0, 9}, {0, 18, 0})}, emitter({1, 0.5, 0.25}));
+  plain.add({turned({quad({-1, -1, 1}, {2, 0, 0}, {0, 2, 0})})}, emitter({0, 0.5, 0}));
+  expect_image("clearcoat over relief", plain, [](const dvec2&) { return 0.8 * 0.04 * dvec3(0, 0.5, 0); });
+}
+
 }  // namespace
 }  // namespace regulus::test

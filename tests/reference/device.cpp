@@ -146,6 +146,14 @@ TEST(DeviceStagesInstances, AgreeWithTheReference) {
   expect_agreement(checked);
 }
 
+// Clearcoats with normals of their own: smooth over rough, rough over a mirror, and over glass from both
+// sides.
+TEST(DeviceStagesCoats, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  Checked checked(prepare(coats_scene()));
+  expect_agreement(checked);
+}
+
 INSTANTIATE_TEST_SUITE_P(OwnScenes, DeviceStages,
                          testing::Values("cornell/cornell.gltf", "plates/plates.gltf",
                                          "furnace/furnace-point.gltf", "smallvcm/smallvcm-background.gltf",

@@ -24,15 +24,28 @@ inline GltfScene room(const nlohmann::json& floor, const nlohmann::json& tall, c
   return scene;
 }
 
-/// The material with a normal map of strong random relief.
-inline nlohmann::json bumpy(GltfScene& scene, nlohmann::json material) {
+/// A normal map of strong random relief; `seed` odd.
+inline nlohmann::json relief(GltfScene& scene, uint32_t seed = 2654435761u) {
   std::vector<uint8_t> rgba;
   for (uint32_t i = 0; i < 16; ++i) {
-    const auto code = [&](uint32_t k) { return static_cast<uint8_t>((2654435761u * (3 * i + k + 1)) >> 24); };
+    const auto code = [&](uint32_t k) { return static_cast<uint8_t>((seed * (3 * i + k + 1)) >> 24); };
     for (const int value : {int{code(0)}, int{code(1)}, 200, 255})
       rgba.push_back(static_cast<uint8_t>(value));
   }
-  material["normalTexture"] = {{"index", scene.add_texture(4, rgba)}};
+  return {{"index", scene.add_texture(4, rgba)}};
+}
+
+/// The material with such a normal map.
+inline nlohmann::json bumpy(GltfScene& scene, nlohmann::json material) {
+  material["normalTexture"] = relief(scene);
+  return material;
+}
+
+/// The material under a clearcoat, which has the normals of the vertices or of a texture.
+inline nlohmann::json coated(nlohmann::json material, double roughness, const nlohmann::json& normals = {}) {
+  nlohmann::json& coat = material["extensions"]["KHR_materials_clearcoat"];
+  coat = {{"clearcoatFactor", 0.9}, {"clearcoatRoughnessFactor", roughness}};
+  if (!normals.is_null()) coat["clearcoatNormalTexture"] = normals;
   return material;
 }
 
