@@ -19,7 +19,7 @@ struct BsdfCase {
   float u_lobe;   // sampling only
   vec2 u;         // sampling only
 };
-REGULUS_LAYOUT(BsdfCase, 204);
+REGULUS_LAYOUT(BsdfCase, 212);
 
 struct BsdfEvaluated {
   vec3 value;

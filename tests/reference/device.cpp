@@ -150,6 +150,7 @@ TEST(DeviceStagesInstances, AgreeWithTheReference) {
 // sides.
 TEST(DeviceStagesCoats, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
   Checked checked(prepare(coats_scene()));
   expect_agreement(checked);
 }
