@@ -36,7 +36,7 @@ std::vector<Image> reference_images(const Subject& subject, uint32_t count) {
   std::vector<Image> images;
   for (uint32_t i = 0; i < count; ++i, ++settings.seed) {
     const reference::Film film = reference::render(subject.world, settings);
-    Image image{settings.width, settings.height, {}};
+    Image image{film.width, film.height, {}};
     for (size_t pixel = 0; pixel < film.sum.size(); ++pixel)
       for (int c = 0; c < 3; ++c) image.rgb.push_back(static_cast<float>(film.mean(pixel)[c]));
     images.push_back(std::move(image));

@@ -5,13 +5,14 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <memory>
 
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
 #include "check/check.hpp"
+#include "check/reference_render.hpp"
 #include "cli/commands.hpp"
-#include "cli/reference_render.hpp"
 #include "cli/render_options.hpp"
 
 namespace regulus::cli {
@@ -180,15 +181,19 @@ void run_check(CLI::App& command, CheckOptions& options) {
   scene::Scene scene = scene::load(options.render.scene_file, load_options(options.render));
   apply_scene_settings(command, scene);
   render::RenderSettings settings = resolve_settings(options.render, scene);
+  if (options.statistics == 0 &&
+      (settings.crop.pixels() != 0 || std::isfinite(settings.largest_contribution)))
+    throw Error(ExitStatus::BadUsage, "check has --crop and --clamp only with --statistics");
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   gpu::Device device({.select = options.render.device, .software_stage_times = false});
   fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 
-  const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling);
+  const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+                               settings.has_energy_compensation);
   const reference::Camera camera(
       scene::make_camera(scene.cameras.at(settings.camera), settings.width, settings.height), settings.width,
       settings.height);
-  const reference::Settings wanted = reference_settings(settings);
+  const reference::Settings wanted = check::reference_settings(settings);
   const check::Subject subject{scene, bvh, world, camera, settings, wanted};
   if (options.weights > 0 && has_blended_surfaces(scene))
     throw Error(ExitStatus::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));

@@ -11,11 +11,11 @@
 
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
+#include "check/reference_render.hpp"
 #include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress.hpp"
-#include "cli/reference_render.hpp"
 #include "cli/render_options.hpp"
 #include "cli/stats.hpp"
 #include "cli/stop_rule.hpp"
@@ -116,6 +116,11 @@ void require_complete(bool is_complete, const Outputs& outputs) {
                 fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));
 }
 
+image::Placement placement_of(const render::RenderSettings& settings) {
+  const render::Window window = settings.window();
+  return {window.x, window.y, settings.width, settings.height};
+}
+
 // --backend reference. Its statistics are those that need no device.
 void render_by_reference(const RenderOptions& options, const Outputs& outputs, const scene::Scene& scene,
                          const bvh::Bvh& bvh, const render::RenderSettings& settings) {
@@ -128,10 +133,10 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
     throw Error(ExitStatus::BadUsage, "--strategy-images needs --backend vulkan");
   Stopwatch stopwatch;
   catch_interrupts();
-  ReferenceRender rendered;
+  check::ReferenceRender rendered;
   {
     ProgressLine progress(!options.is_quiet);
-    rendered = render_with_reference(scene, bvh, settings, [&](uint64_t done, uint64_t total) {
+    rendered = check::render_with_reference(scene, bvh, settings, [&](uint64_t done, uint64_t total) {
       progress.update(done, total);
       return !is_interrupted();
     });
@@ -141,10 +146,10 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
   attributes["regulus:device"] = "scalar reference";
   attributes["regulus:samples_done"] = std::to_string(rendered.samples);
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
-  image::write_exr(outputs.exr, rendered.image, attributes);
+  image::write_exr(outputs.exr, rendered.image, attributes, rendered.channels, placement_of(settings));
   write_outputs(outputs, options, rendered.image, nlohmann::json(attributes));
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.exr.string(),
-               settings.width, settings.height, rendered.samples, seconds);
+               rendered.image.width, rendered.image.height, rendered.samples, seconds);
   require_complete(rendered.samples == settings.samples, outputs);
 }
 
@@ -167,11 +172,6 @@ std::optional<render::Film> find_checkpoint(const RenderOptions& options, const 
                 fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it",
                             options.checkpoint));
   return read_checkpoint(options.checkpoint, scene_attributes(scene, settings), settings);
-}
-
-image::Placement placement_of(const render::RenderSettings& settings) {
-  const render::Window window = settings.window();
-  return {window.x, window.y, settings.width, settings.height};
 }
 
 // The picture, with its AOVs, and with its sums if it is a range of samples. A device that is lost makes no

@@ -57,7 +57,13 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
   const double exact =
       parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
-  const dvec3 average = dielectric_.remap(exact, parameters.ior);
+  dvec3 average = dielectric_.remap(exact, parameters.ior);
+  if (parameters.energy != nullptr) {
+    energy_index_ = parameters.energy->nearest(parameters.ior);
+    energy_roughness_ = std::sqrt(std::sqrt(parameters.alpha.x * parameters.alpha.y));
+    average += parameters.energy->fresnel_mean(energy_index_, energy_roughness_) *
+               (dielectric_.f90 - dielectric_.f0);
+  }
   diffuse_scale_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color /
                    (pi * glm::max(1.0 - average, dvec3(1e-4)));
 }
@@ -95,6 +101,37 @@ dvec3 Bsdf::reflectance(double cos_facet, double eta) const {
          (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta);
 }
 
+double Bsdf::dielectric_gain(double camera_z) const {
+  if (parameters_.energy == nullptr) return 1;
+  const double cosine = std::abs(camera_z);
+  return 1 / (refracts()
+                  ? parameters_.energy->scattered(energy_index_, cosine, energy_roughness_, camera_z < 0)
+                  : parameters_.energy->reflected(cosine, energy_roughness_));
+}
+
+/// Kulla and Conty 2017: later bounces have the metal's mean colour, Schlick's reflectance averaged.
+dvec3 Bsdf::metal_gain(double camera_z) const {
+  if (parameters_.energy == nullptr) return dvec3(1);
+  const double kept = parameters_.energy->reflected(std::abs(camera_z), energy_roughness_);
+  const double mean = parameters_.energy->reflected_mean(energy_roughness_);
+  const dvec3 fresnel = (20.0 * parameters_.base_color + 1.0) / 21.0;
+  return 1.0 + (1 - kept) / kept * mean * fresnel / (1.0 - (1 - mean) * fresnel);
+}
+
+dvec3 Bsdf::compensated_reflectance(double cos_facet, double eta, double camera_z) const {
+  return parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) * metal_gain(camera_z) +
+         (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta) * dielectric_gain(camera_z);
+}
+
+/// The facets of a rough interface are met at other angles than the surface: by the tables, from outside.
+dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
+  double exact = fresnel_dielectric(cosine, eta);
+  if (parameters_.energy != nullptr && eta >= 1)
+    exact += parameters_.energy->fresnel(energy_index_, cosine, energy_roughness_) *
+             (1 - fresnel_normal_incidence(eta));
+  return 1.0 - dielectric_.remap(exact, eta);
+}
+
 dvec3 Bsdf::transmittance(double cos_facet, double eta) const {
   return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color *
          (1.0 - dielectric_.reflectance(cos_facet, eta));
@@ -107,8 +144,7 @@ double Bsdf::reflection_probability(double cos_facet, double eta) const {
 }
 
 dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
-  return diffuse_scale_ * (1.0 - dielectric_.reflectance(wi.z, eta)) *
-         (1.0 - dielectric_.reflectance(wo.z, eta));
+  return diffuse_scale_ * diffuse_transmittance(wi.z, eta) * diffuse_transmittance(wo.z, eta);
 }
 
 /// D G2 / (4 cos_i cos_o), both directions above the surface.
@@ -178,15 +214,17 @@ dvec3 Bsdf::base_value(const dvec3& wo_material, const dvec3& wi_material, Trans
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
   if (wo.z == 0 || wi.z == 0) return dvec3(0);
+  const double camera_z = mode == TransportMode::Importance ? wi_material.z : wo_material.z;
   if (wi.z > 0) {
     const dvec3 diffuse = diffuse_value(wo, wi, eta);
     if (is_delta()) return diffuse;
-    return diffuse + reflectance(dot(wo, reflection_half_vector(wo, wi)), eta) * mirror_lobe_value(wo, wi);
+    return diffuse + compensated_reflectance(dot(wo, reflection_half_vector(wo, wi)), eta, camera_z) *
+                         mirror_lobe_value(wo, wi);
   }
   if (is_delta() || parameters_.transmission == 0) return dvec3(0);
-  if (parameters_.is_volume) return refraction_value(wo, wi, eta, mode);
+  if (parameters_.is_volume) return dielectric_gain(camera_z) * refraction_value(wo, wi, eta, mode);
   const dvec3 wi_mirrored = mirror_z(wi);
-  return transmittance(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta) *
+  return dielectric_gain(camera_z) * transmittance(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta) *
          mirror_lobe_value(wo, wi_mirrored);
 }
 

@@ -9,6 +9,7 @@
 #include <glm/glm.hpp>
 #include <optional>
 
+#include "reference/energy.hpp"
 #include "reference/fresnel.hpp"
 #include "reference/microfacet.hpp"
 #include "reference/sampling.hpp"
@@ -38,6 +39,7 @@ struct BsdfParameters {
   /// fresnel_dielectric_average(ior), for callers that know it: its quadrature takes longer than all the
   /// rest.
   std::optional<double> fresnel_average = std::nullopt;
+  const EnergyTables* energy = nullptr;  ///< energy is compensated by these; null: not at all
 };
 
 /// A sampled direction.
@@ -122,7 +124,15 @@ class Bsdf {
   Bsdf with_unit_density() const;
 
  private:
-  glm::dvec3 reflectance(double cos_facet, double eta) const;    // F_r
+  glm::dvec3 reflectance(double cos_facet, double eta) const;  // F_r
+  /// What energy compensation multiplies a rough lobe with, for the side and cosine of the camera's direction
+  /// (its z in the material's frame): dielectric reflection and all transmission by one factor, metal by
+  /// another.
+  double dielectric_gain(double camera_z) const;
+  glm::dvec3 metal_gain(double camera_z) const;
+  glm::dvec3 compensated_reflectance(double cos_facet, double eta, double camera_z) const;
+  glm::dvec3 diffuse_transmittance(double cosine,
+                                   double eta) const;            // of the interface, for the diffuse lobe
   glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
   double reflection_probability(double cos_facet, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
@@ -146,7 +156,9 @@ class Bsdf {
   Microsurface surface_;
   Microsurface coat_;
   SpecularDielectric dielectric_;
-  glm::dvec3 diffuse_scale_;  // (1 - m) (1 - t) base / (pi (1 - F_d,avg))
+  uint32_t energy_index_ = 0;    // of the tables for this index of refraction
+  double energy_roughness_ = 0;  // of the material itself, also where a lobe is raised
+  glm::dvec3 diffuse_scale_;     // (1 - m) (1 - t) base / (pi (1 - F_d,avg))
 };
 
 /// Luminance of a linear Rec. 709 colour.

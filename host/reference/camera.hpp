@@ -46,6 +46,9 @@ class Camera {
   };
   std::optional<Projection> project(const glm::dvec3& point, const glm::dvec2& u) const;
 
+  /// Of a point along the camera's axis, m.
+  double depth(const glm::dvec3& point) const { return dot(point - position_, forward_); }
+
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
   bool is_orthographic() const { return is_orthographic_; }

@@ -23,6 +23,12 @@ struct Splat {
   dvec3 value;
 };
 
+/// The baseline that loses energy: scaled down to the largest allowed channel.
+dvec3 clamped(const dvec3& value, double largest) {
+  const double brightest = std::max({value.r, value.g, value.b});
+  return brightest > largest ? value * (largest / brightest) : value;
+}
+
 /// One render in progress.
 class Render {
  public:
@@ -34,17 +40,20 @@ class Render {
             scene::make_camera(world.scene().cameras.at(settings.camera), settings.width, settings.height),
             settings.width, settings.height),
         estimator_(world_, camera_, settings_),
-        pixels_(settings.width * settings.height),
-        film_{settings.width, settings.height, std::vector<dvec3>(pixels_), std::vector<dvec3>(pixels_), 0} {}
+        window_(settings.window()),
+        pixels_(window_.pixels()),
+        film_{window_.width, window_.height, std::vector<dvec3>(pixels_), std::vector<dvec3>(pixels_), 0} {}
 
   void iterate(uint32_t sample) {
     std::vector<dvec3> image(pixels_, dvec3(0));
     std::unique_ptr<LightCache> cache;
     if (estimator_.needs_light_subpaths()) cache = light_pass(sample, image);
     parallel_ranges(pixels_, GRAIN, threads_, [&](uint32_t begin, uint32_t end) {
-      for (uint32_t pixel = begin; pixel < end; ++pixel)
-        estimator_.camera_sample(pixel, sample, cache.get(),
-                                 [&](const Contribution& found) { image[pixel] += found.value(); });
+      for (uint32_t i = begin; i < end; ++i)
+        estimator_.camera_sample(window_.pixel_of(i, settings_.width), sample, cache.get(),
+                                 [&](const Contribution& found) {
+                                   image[i] += clamped(found.value(), settings_.largest_contribution);
+                                 });
     });
     for (size_t i = 0; i < image.size(); ++i) {
       film_.sum[i] += image[i];
@@ -75,16 +84,18 @@ class Render {
     return std::make_unique<LightCache>(estimator_.light_cache(std::move(subpaths), sample));
   }
 
-  /// Every pixel whose filter reaches the point takes its share.
+  /// Every rendered pixel whose filter reaches the point takes its share.
   void add(const Splat& splat, std::vector<dvec3>& image) const {
     const dvec2 reach(settings_.filter.radius + 0.5);
-    const dvec2 size(settings_.width, settings_.height);
-    const glm::ivec2 first(glm::clamp(glm::floor(splat.film - reach), dvec2(0), size));
-    const glm::ivec2 last(glm::clamp(glm::ceil(splat.film + reach), dvec2(0), size));
+    const dvec2 size(window_.width, window_.height);
+    const dvec2 film = splat.film - dvec2(window_.x, window_.y);
+    const glm::ivec2 first(glm::clamp(glm::floor(film - reach), dvec2(0), size));
+    const glm::ivec2 last(glm::clamp(glm::ceil(film + reach), dvec2(0), size));
     for (int y = first.y; y < last.y; ++y)
       for (int x = first.x; x < last.x; ++x)
-        image[static_cast<size_t>(y) * settings_.width + static_cast<size_t>(x)] +=
-            settings_.filter.value(splat.film - dvec2(x + 0.5, y + 0.5)) * splat.value;
+        image[static_cast<size_t>(y) * window_.width + static_cast<size_t>(x)] +=
+            clamped(settings_.filter.value(film - dvec2(x + 0.5, y + 0.5)) * splat.value,
+                    settings_.largest_contribution);
   }
 
   const World& world_;
@@ -92,6 +103,7 @@ class Render {
   uint32_t threads_;
   Camera camera_;
   Estimator estimator_;
+  Window window_;
   uint32_t pixels_;
   Film film_;
 };

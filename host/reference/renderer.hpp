@@ -10,8 +10,9 @@
 
 namespace regulus::reference {
 
-/// Sums over iterations (one sample of every pixel plus the splats of the iteration's light walks).
-/// Iterations are independent and alike, so the spread of a pixel's values is its variance.
+/// Sums over iterations, of the pixels that are rendered (one sample of every pixel plus the splats of the
+/// iteration's light walks). Iterations are independent and alike, so the spread of a pixel's values is its
+/// variance.
 struct Film {
   uint32_t width = 0, height = 0;
   std::vector<glm::dvec3> sum;      ///< of each pixel's values

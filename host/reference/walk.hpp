@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,9 +15,21 @@
 
 namespace regulus::reference {
 
+/// A rectangle of the film's pixels.
+struct Window {
+  uint32_t x = 0, y = 0, width = 0, height = 0;
+
+  uint32_t pixels() const { return width * height; }
+  /// Number on a film of `film_width` of the window's `index`-th pixel, row by row.
+  uint32_t pixel_of(uint32_t index, uint32_t film_width) const {
+    return (y + index / width) * film_width + x + index % width;
+  }
+};
+
 /// What a render is asked to do. The fields are those of render::RenderSettings.
 struct Settings {
   uint32_t width = 0, height = 0;
+  Window crop;          ///< pixels that are rendered; without any: the whole film
   uint32_t camera = 0;  ///< index into Scene::cameras
   uint32_t first_sample = 0;
   uint32_t samples = 16;
@@ -42,6 +55,9 @@ struct Settings {
   /// conditioned they are.
   uint32_t rounding_pattern = 0;
 
+  double largest_contribution = std::numeric_limits<double>::infinity();  ///< of one technique to a sample
+
+  Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }
   uint32_t paths_per_iteration() const { return light_paths == 0 ? width * height : light_paths; }
 };
 

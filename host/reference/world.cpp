@@ -30,7 +30,7 @@ constexpr double MIN_MAPPED_COS = 0.01;
 }  // namespace
 
 World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing,
-             uint32_t light_sampling)
+             uint32_t light_sampling, bool compensates_energy)
     : scene_(scene),
       traversal_(tree, &scene),
       ndf_(ndf),
@@ -45,6 +45,10 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
     if (is_new) entry->second = fresnel_dielectric_average(material.ior);
     fresnel_average_.push_back(entry->second);
   }
+  if (!compensates_energy) return;
+  std::vector<float> indices;
+  for (const auto& [ior, mean] : average) indices.push_back(ior);
+  energy_ = std::make_unique<const EnergyTables>(std::move(indices), ndf, shadowing);
 }
 
 Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
@@ -184,6 +188,8 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   p.ndf = ndf_;
   p.shadowing = shadowing_;
   p.fresnel_average = fresnel_average_[surface.material];
+  // Without a specular lobe there is no interface to compensate for.
+  if (material.material_class != MATERIAL_CLASS_DIFFUSE) p.energy = energy_.get();
   return Bsdf(p);
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <memory>
 #include <vector>
 
 #include "reference/bsdf.hpp"
@@ -37,7 +38,7 @@ class World {
   /// The scene must have been prepared by bvh::build_for_scene, whose result is `tree`.
   World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf = interface::NDF_GGX,
         uint32_t shadowing = interface::SHADOWING_SMITH,
-        uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO);
+        uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false);
 
   const scene::Scene& scene() const { return scene_; }
   const Traversal& traversal() const { return traversal_; }
@@ -97,7 +98,8 @@ class World {
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;
-  std::vector<double> fresnel_average_;  // by material
+  std::vector<double> fresnel_average_;         // by material
+  std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated
 };
 
 }  // namespace regulus::reference

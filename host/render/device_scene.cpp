@@ -1,5 +1,7 @@
 #include "render/device_scene.hpp"
 
+#include "render/energy_tables.hpp"
+
 namespace regulus::render {
 
 namespace {
@@ -11,14 +13,20 @@ const scene::Environment& environment_of(const scene::Scene& scene) {
   return scene.environment ? *scene.environment : NO_ENVIRONMENT;
 }
 
-const scene::LightTree& light_tree_of(const scene::Scene& scene, bool is_used) {
-  return is_used ? scene.light_tree : NO_LIGHT_TREE;
+const scene::LightTree& light_tree_of(const scene::Scene& scene, const RenderSettings& settings) {
+  return settings.light_sampling == interface::LIGHT_SAMPLING_BVH ? scene.light_tree : NO_LIGHT_TREE;
+}
+
+gpu::Buffer energy_tables_of(gpu::Device& device, const scene::Scene& scene, const RenderSettings& settings) {
+  const bool is_needed = settings.has_energy_compensation &&
+                         (scene::find_features(scene).bits & interface::FEATURE_ROUGH_SPECULAR) != 0;
+  return is_needed ? make_energy_tables(device, scene.materials, settings) : gpu::Buffer();
 }
 
 }  // namespace
 
 DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                         bool has_light_tree)
+                         const RenderSettings& settings)
     : bvh_nodes_(gpu::upload_new(device, bvh.nodes, "bvh nodes")),
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
@@ -33,10 +41,11 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       texels_(gpu::upload_new(device, scene.texels, "texels")),
       lights_(gpu::upload_new(device, scene.lights, "lights")),
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
-      light_pairs_(gpu::upload_new(device, light_tree_of(scene, has_light_tree).pairs, "light pairs")),
-      light_trails_(gpu::upload_new(device, light_tree_of(scene, has_light_tree).trails, "light trails")),
+      light_pairs_(gpu::upload_new(device, light_tree_of(scene, settings).pairs, "light pairs")),
+      light_trails_(gpu::upload_new(device, light_tree_of(scene, settings).trails, "light trails")),
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
+      energy_tables_(energy_tables_of(device, scene, settings)),
       environment_(environment_of(scene).parameters),
       light_tree_{interface::device_address(light_pairs_.address()),
                   interface::device_address(light_trails_.address()), scene.light_tree.center,

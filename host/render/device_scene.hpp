@@ -4,6 +4,7 @@
 #include "bvh/bvh.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
+#include "render/settings.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::render {
@@ -11,11 +12,9 @@ namespace regulus::render {
 /// Device copies of everything kernels read of a scene.
 class DeviceScene {
  public:
-  /// `has_light_tree`: lights are chosen by the tree.
-  DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh, bool has_light_tree);
-
-  /// Tables of energy compensation (render/energy_tables.hpp); none unless they are wanted.
-  void set_energy_tables(gpu::Buffer tables) { energy_tables_ = std::move(tables); }
+  /// `settings` (resolved) say whether lights are chosen by the tree and energy is compensated.
+  DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+              const RenderSettings& settings);
 
   /// Writes the addresses of the arrays, the light count and the bounds into a frame.
   void fill(interface::Frame& frame) const;

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "render/device_scene.hpp"
-#include "render/energy_tables.hpp"
 #include "render/scan.hpp"
 #include "render/stages.hpp"
 #include "render/wavefront_buffers.hpp"
@@ -46,14 +45,6 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
   if (settings.merge_radius == 0)
     settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
   return settings;
-}
-
-DeviceScene make_device_scene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                              const RenderSettings& settings) {
-  DeviceScene result(device, scene, bvh, settings.light_sampling == LIGHT_SAMPLING_BVH);
-  if (settings.has_energy_compensation)
-    result.set_energy_tables(make_energy_tables(device, scene.materials, settings));
-  return result;
 }
 
 uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t bytes_each,
@@ -103,7 +94,7 @@ struct Renderer::Impl {
         settings(render::resolve_settings(scene_in, settings_in)),
         pixels(settings.window().pixels()),
         total_paths(pixels * settings.samples),
-        scene(make_device_scene(device, scene_in, bvh, settings)),
+        scene(device, scene_in, bvh, settings),
         path_bytes(bytes_per_path(settings, scene.has_environment())),
         capacity(choose_capacity(device, settings, path_bytes,
                                  std::max<uint64_t>(total_paths, settings.light_paths))),

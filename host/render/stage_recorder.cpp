@@ -54,7 +54,7 @@ struct StageRecorder::Impl {
       : device(device_in),
         settings(recorded_settings(scene_in, settings_in, techniques)),
         paths(paths_in),
-        scene(device, scene_in, bvh, settings.light_sampling == LIGHT_SAMPLING_BVH),
+        scene(device, scene_in, bvh, settings),
         buffers(device, scene,
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
                 settings, (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),

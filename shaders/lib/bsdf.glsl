@@ -275,8 +275,12 @@ FacetEvent sample_facet_event(Bsdf bsdf, vec3 wo, bool is_coat, float u_choice, 
   if (bsdf_has_coat_normal() && is_coat) w = to_coat(bsdf, wo);
   Facet visible = Facet(vec3(0.0, 0.0, 1.0), w.z);
   if (bsdf_has_rough()) {
-    Facet rough = sample_visible_normal(w, max(alpha, vec2(MIN_ALPHA)), u, u_choice);
-    if (!bsdf_has_delta() || alpha.x > 0.0) visible = rough;
+    float u_rest = u_choice;
+    Facet rough = sample_visible_normal(w, max(alpha, vec2(MIN_ALPHA)), u, u_rest);
+    if (!bsdf_has_delta() || alpha.x > 0.0) {
+      visible = rough;
+      u_choice = u_rest;
+    }
   }
   bool is_seen = true;
   if (bsdf_has_coat_normal() && is_coat) {

@@ -24,10 +24,12 @@ using render::Recording;
 class Checked {
  public:
   explicit Checked(const char* scene) : Checked(prepare(own_scenes() / scene)) {}
-  explicit Checked(PreparedScene prepared)
+  explicit Checked(PreparedScene prepared) : Checked(std::move(prepared), settings()) {}
+  Checked(PreparedScene prepared, const render::RenderSettings& settings)
       : prepared_(std::move(prepared)),
-        world_(prepared_.scene, prepared_.bvh),
-        recorder_(*device(), prepared_.scene, prepared_.bvh, settings(), SIZE * SIZE),
+        world_(prepared_.scene, prepared_.bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+               settings.has_energy_compensation),
+        recorder_(*device(), prepared_.scene, prepared_.bvh, settings, SIZE * SIZE),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
     reference_.width = reference_.height = SIZE;
     reference_.max_depth = recorder_.settings().max_depth;
@@ -62,9 +64,6 @@ class Checked {
   }
   uint32_t max_depth() const { return reference_.max_depth; }
 
- private:
-  static constexpr uint32_t SIZE = 48;
-
   static render::RenderSettings settings() {
     render::RenderSettings result;
     result.width = result.height = SIZE;
@@ -73,6 +72,10 @@ class Checked {
     result.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
     return result;
   }
+
+ private:
+  static constexpr uint32_t SIZE = 48;
+
   check::Subject subject() const {
     return {prepared_.scene, prepared_.bvh, world_, camera_, recorder_.settings(), reference_};
   }
@@ -152,6 +155,17 @@ TEST(DeviceStagesCoats, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   Checked checked(prepare(coats_scene()));
+  expect_agreement(checked);
+}
+
+// With a microfacet model whose visible normals take part of the number that also chooses reflection.
+TEST(DeviceStagesEnergyCompensation, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  render::RenderSettings settings = Checked::settings();
+  settings.has_energy_compensation = true;
+  settings.ndf = NDF_BECKMANN;
+  settings.shadowing = SHADOWING_V_CAVITY;
+  Checked checked(prepare(own_scenes() / "gallery/gallery.gltf"), settings);
   expect_agreement(checked);
 }
 

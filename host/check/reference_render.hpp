@@ -9,16 +9,17 @@
 #include "render/settings.hpp"
 #include "scene/scene.hpp"
 
-namespace regulus::cli {
+namespace regulus::check {
 
 /// The reference's settings for a render's.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: virtual merges, sampler quality,
-/// clamping, energy compensation, crops, AOVs.
+/// @throws regulus::Error (BadUsage) for what the reference does not do: clamping shares of both or of
+/// sampler quality.
 reference::Settings reference_settings(const render::RenderSettings& settings);
 
 /// A render by the reference: the mean image and the iterations (samples of every pixel) in it.
 struct ReferenceRender {
   image::Image image;
+  image::Channels channels;  ///< --aov
   uint32_t samples = 0;
 };
 
@@ -28,4 +29,4 @@ ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh&
                                       const render::RenderSettings& settings,
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress);
 
-}  // namespace regulus::cli
+}  // namespace regulus::check

@@ -1,0 +1,196 @@
+#include "reference/energy.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "reference/bsdf.hpp"
+#include "reference/fresnel.hpp"
+#include "reference/quadrature.hpp"
+
+namespace regulus::reference {
+
+using glm::dvec2;
+using glm::dvec3;
+using namespace interface;
+
+namespace {
+
+constexpr double LEAST_ALPHA = 1e-6;
+constexpr double LEAST_POSITION = 1e-3;
+constexpr uint32_t PLANES = 4;
+
+double fraction(uint32_t node) {
+  return static_cast<double>(node) / (ENERGY_NODES - 1);
+}
+
+double alpha_of_row(uint32_t row) {
+  return std::max(fraction(row) * fraction(row), LEAST_ALPHA);
+}
+
+/// Cosine of the direction that lies at x = cos / (cos + alpha sin); planes of Fresnel positions go by the
+/// cosine itself.
+double cosine_at(uint32_t quantity, double x, double alpha) {
+  if (quantity == ENERGY_FRESNEL || x >= 1) return x;
+  return std::cos(std::atan2(1 - x, alpha * x));
+}
+
+/// Points of the R3 sequence in 24 bits.
+dvec3 r3_point(uint32_t i) {
+  const auto coordinate = [&](uint32_t step) { return ((i + 1) * step >> 8) * 0x1p-24; };
+  return {coordinate(3518319155u), coordinate(2882110345u), coordinate(2360945575u)};
+}
+
+/// Where x in [0, 1] lies between nodes.
+struct Place {
+  uint32_t node;
+  double rest;
+};
+
+Place place_of(double x) {
+  const double scaled = std::clamp(x, 0.0, 1.0) * (ENERGY_NODES - 1);
+  const uint32_t node = std::min(static_cast<uint32_t>(scaled), ENERGY_NODES - 2);
+  return {node, scaled - node};
+}
+
+double position_of(double cosine, double roughness) {
+  const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
+  const double sum = cosine + roughness * roughness * sine;
+  return sum > 0 ? cosine / sum : 0;
+}
+
+std::unique_ptr<std::atomic<double>[]> unknown(size_t count) {
+  auto numbers = std::make_unique<std::atomic<double>[]>(count);
+  for (size_t i = 0; i < count; ++i) numbers[i] = std::numeric_limits<double>::quiet_NaN();
+  return numbers;
+}
+
+template <typename Function>
+double remembered(std::atomic<double>& stored, const Function& compute) {
+  const double known = stored.load(std::memory_order_relaxed);
+  if (!std::isnan(known)) return known;
+  const double value = compute();
+  stored.store(value, std::memory_order_relaxed);
+  return value;
+}
+
+std::vector<float> chosen(std::vector<float> all) {
+  std::ranges::sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  if (all.size() <= ENERGY_MAX_INDICES) return all;
+  std::vector<float> some;
+  for (size_t i = 0; i < ENERGY_MAX_INDICES; ++i)
+    some.push_back(all[i * (all.size() - 1) / (ENERGY_MAX_INDICES - 1)]);
+  return some;
+}
+
+}  // namespace
+
+EnergyTables::EnergyTables(std::vector<float> indices, uint32_t ndf, uint32_t shadowing)
+    : indices_(chosen(std::move(indices))),
+      ndf_(ndf),
+      shadowing_(shadowing),
+      nodes_(unknown(indices_.size() * PLANES * ENERGY_PLANE_WORDS)),
+      means_(unknown(indices_.size() * PLANES * ENERGY_NODES)) {}
+
+uint32_t EnergyTables::nearest(double ior) const {
+  const auto is_nearer = [&](float a, float b) { return std::abs(a - ior) < std::abs(b - ior); };
+  return static_cast<uint32_t>(std::ranges::min_element(indices_, is_nearer) - indices_.begin());
+}
+
+double EnergyTables::integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const {
+  const double alpha = alpha_of_row(row);
+  const Microsurface surface{ndf_, shadowing_, dvec2(alpha)};
+  const Microsurface seen = visible_normal_model(surface);
+  const double eta = quantity == ENERGY_SCATTERED_IN ? 1 / ior : ior;
+  const double cosine = cosine_at(quantity, std::max(fraction(direction), LEAST_POSITION), alpha);
+  const dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
+  double reflected = 0, transmitted = 0, fresnel_sum = 0;
+  for (uint32_t i = 0; i < NODE_POINTS; ++i) {
+    const dvec3 u = r3_point(i);
+    double u_choice = u.z;
+    const dvec3 h = sample_visible_normal(surface, wo, dvec2(u), u_choice);
+    if (dot(wo, h) <= 0) continue;
+    const double masked = masking(seen, wo, h);
+    const double fresnel = fresnel_dielectric(dot(wo, h), eta);
+    const dvec3 mirrored = reflect_at(wo, h);
+    if (mirrored.z > 0) {
+      const double share = masking_shadowing(surface, mirrored, wo, h, Scattering::Reflection) / masked;
+      reflected += share;
+      fresnel_sum += share * fresnel;
+    }
+    const dvec3 refracted = refract_at(wo, h, eta);
+    if (refracted.z < 0)
+      transmitted +=
+          (1 - fresnel) * masking_shadowing(surface, refracted, wo, h, Scattering::Transmission) / masked;
+  }
+  if (quantity == ENERGY_REFLECTED) return reflected / NODE_POINTS;
+  if (quantity == ENERGY_FRESNEL)
+    return (fresnel_sum / std::max(reflected, 1e-6) - fresnel_dielectric(cosine, eta)) /
+           (1 - fresnel_normal_incidence(ior));
+  return (fresnel_sum + transmitted) / NODE_POINTS;
+}
+
+double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const {
+  // What a perfect reflector reflects does not depend on an index: it is kept once.
+  if (quantity == ENERGY_REFLECTED) index = 0;
+  const size_t row = (index * PLANES + quantity) * size_t{ENERGY_NODES} + roughness;
+  return remembered(nodes_[row * ENERGY_NODES + direction],
+                    [&] { return integrate_node(double{indices_[index]}, quantity, direction, roughness); });
+}
+
+double EnergyTables::plane(uint32_t index, uint32_t quantity, double x, double roughness) const {
+  const Place column = place_of(x);
+  const Place row = place_of(roughness);
+  const auto along = [&](uint32_t r) {
+    return std::lerp(node(index, quantity, column.node, r), node(index, quantity, column.node + 1, r),
+                     column.rest);
+  };
+  return std::lerp(along(row.node), along(row.node + 1), row.rest);
+}
+
+double EnergyTables::row_mean(uint32_t index, uint32_t quantity, uint32_t row) const {
+  const double alpha = alpha_of_row(row);
+  double sum = 0;
+  for (uint32_t i = 0; i + 1 < ENERGY_NODES; ++i) {
+    const double begin = cosine_at(quantity, fraction(i), alpha);
+    const double end = cosine_at(quantity, fraction(i + 1), alpha);
+    const double first = node(index, quantity, i, row);
+    const double last = node(index, quantity, i + 1, row);
+    sum += integrate([&](double c) { return 2 * c * std::lerp(first, last, (c - begin) / (end - begin)); },
+                     begin, end);
+  }
+  return sum;
+}
+
+double EnergyTables::mean(uint32_t index, uint32_t quantity, double roughness) const {
+  const Place place = place_of(roughness);
+  const auto of_row = [&](uint32_t row) {
+    return remembered(means_[(index * PLANES + quantity) * size_t{ENERGY_NODES} + row],
+                      [&] { return row_mean(index, quantity, row); });
+  };
+  return std::lerp(of_row(place.node), of_row(place.node + 1), place.rest);
+}
+
+double EnergyTables::reflected(double cosine, double roughness) const {
+  return plane(0, ENERGY_REFLECTED, position_of(cosine, roughness), roughness);
+}
+
+double EnergyTables::reflected_mean(double roughness) const {
+  return mean(0, ENERGY_REFLECTED, roughness);
+}
+
+double EnergyTables::scattered(uint32_t index, double cosine, double roughness, bool is_inside) const {
+  return plane(index, is_inside ? ENERGY_SCATTERED_IN : ENERGY_SCATTERED_OUT, position_of(cosine, roughness),
+               roughness);
+}
+
+double EnergyTables::fresnel(uint32_t index, double cosine, double roughness) const {
+  return plane(index, ENERGY_FRESNEL, cosine, roughness);
+}
+
+double EnergyTables::fresnel_mean(uint32_t index, double roughness) const {
+  return mean(index, ENERGY_FRESNEL, roughness);
+}
+
+}  // namespace regulus::reference

@@ -1,0 +1,58 @@
+// Energy compensation's tables in double precision (Turquin 2019; the model stands in
+// shaders/lib/energy.glsl): what a rough interface keeps by single scattering, at nodes of roughness and
+// direction, bilinear between them.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "interface/energy.h"
+#include "reference/microfacet.hpp"
+
+namespace regulus::reference {
+
+/// The tables of one microfacet model. Nodes are integrated when they are first asked for; safe for threads.
+/// The integral over visible normals is part of the model: a mean over NODE_POINTS points of the R3 sequence
+/// (Roberts 2018).
+class EnergyTables {
+ public:
+  static constexpr uint32_t NODE_POINTS = 2048;
+
+  /// Tables for interfaces of these indices of refraction; beyond ENERGY_MAX_INDICES different ones, of
+  /// evenly chosen ones of them.
+  EnergyTables(std::vector<float> indices, uint32_t ndf, uint32_t shadowing);
+
+  /// The number of the tables whose index is nearest to `ior`.
+  uint32_t nearest(double ior) const;
+
+  /// E: share of even light from a direction that a perfectly reflecting surface reflects. `roughness`:
+  /// perceptual.
+  double reflected(double cosine, double roughness) const;
+  /// 2 int E(c) c dc
+  double reflected_mean(double roughness) const;
+  /// E': share that a clear solid of the `index`-th index reflects or transmits, from outside or from inside.
+  double scattered(uint32_t index, double cosine, double roughness, bool is_inside) const;
+  /// How much further than at a smooth surface the mean Fresnel position of facets lies, from outside, and
+  /// its mean over directions as E's.
+  double fresnel(uint32_t index, double cosine, double roughness) const;
+  double fresnel_mean(uint32_t index, double roughness) const;
+
+  /// One node of a plane, `quantity` ENERGY_*.
+  double node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const;
+
+ private:
+  double plane(uint32_t index, uint32_t quantity, double x, double roughness) const;
+  double mean(uint32_t index, uint32_t quantity, double roughness) const;
+  double row_mean(uint32_t index, uint32_t quantity, uint32_t row) const;
+  double integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const;
+
+  std::vector<float> indices_;
+  uint32_t ndf_, shadowing_;
+  // By index, plane and node, and by index, plane and row. NaN: not yet known; threads that race store the
+  // same number.
+  std::unique_ptr<std::atomic<double>[]> nodes_, means_;
+};
+
+}  // namespace regulus::reference

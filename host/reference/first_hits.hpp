@@ -1,0 +1,16 @@
+// What camera rays meet first, for AOVs.
+#pragma once
+
+#include <vector>
+
+#include "reference/walk.hpp"
+
+namespace regulus::reference {
+
+/// One of interface::AovPixel for each rendered pixel, row by row, in single precision: means over AOV_RAYS
+/// camera rays as the first samples of the pixel send them, and what the ray through the middles of lens and
+/// pixel meets.
+std::vector<interface::AovPixel> first_hits(const World& world, const Camera& camera,
+                                            const Settings& settings);
+
+}  // namespace regulus::reference

@@ -1,0 +1,68 @@
+// Whole renders by both backends with the same random numbers.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "check/reference_render.hpp"
+#include "images/support/copies.hpp"
+#include "images/support/render_scene.hpp"
+#include "render/aov.hpp"
+#include "support/device.hpp"
+
+namespace regulus::test {
+namespace {
+
+using namespace interface;
+
+// Share of values that differ by more than a thousandth, of themselves or of one.
+double share_of_differences(const std::vector<float>& a, const std::vector<float>& b) {
+  size_t differ = 0;
+  for (size_t i = 0; i < a.size(); ++i) {
+    const bool is_equal = a[i] == b[i] || std::abs(a[i] - b[i]) <= 1e-3F * (1 + std::abs(b[i]));
+    differ += is_equal ? 0 : 1;
+  }
+  return static_cast<double>(differ) / static_cast<double>(a.size());
+}
+
+// The same random numbers give the same picture but for the few paths that rounding turns elsewhere.
+TEST(DeviceRenders, CropsAndClampsAreTheReferences) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  const PreparedScene prepared = prepare(own_scenes() / "cornell/cornell.gltf");
+  render::RenderSettings asked = box_filtered(32, 24, 2, 12);
+  asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  asked.crop = {5, 3, 20, 16};
+  for (const float largest : {std::numeric_limits<float>::infinity(), 0.05F}) {
+    asked.largest_contribution = largest;
+    const image::Image found = render(prepared, asked).image;
+    const auto wanted = check::render_with_reference(prepared.scene, prepared.bvh, asked,
+                                                     [](uint64_t, uint64_t) { return true; });
+    ASSERT_EQ(found.rgb.size(), wanted.image.rgb.size());
+    EXPECT_LT(share_of_differences(found.rgb, wanted.image.rgb), 0.02) << "clamped to " << largest;
+  }
+}
+
+TEST(DeviceRenders, AovsAreTheReferences) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  const PreparedScene prepared = shared_copies(copies_scene());
+  render::RenderSettings asked = box_filtered(32, 32, 1, 2);
+  asked.aovs = render::SURFACE_AOVS;
+  const image::Channels found = surface_channels(prepared, asked);
+  const image::Channels wanted =
+      check::render_with_reference(prepared.scene, prepared.bvh, asked, [](uint64_t, uint64_t) {
+        return true;
+      }).channels;
+  ASSERT_EQ(found.size(), wanted.size());
+  for (const auto& [name, channel] : found) {
+    const auto values = [&](const image::Channels& of) {
+      if (const auto* floats = std::get_if<std::vector<float>>(&of.at(name))) return *floats;
+      const auto& integers = std::get<std::vector<uint32_t>>(of.at(name));
+      return std::vector<float>(integers.begin(), integers.end());
+    };
+    EXPECT_LT(share_of_differences(values(found), values(wanted)), 0.01) << name;
+  }
+}
+
+}  // namespace
+}  // namespace regulus::test
