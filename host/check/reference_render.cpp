@@ -33,6 +33,8 @@ reference::Settings reference_settings(const render::RenderSettings& settings) {
        settings.sampler_quality != interface::SAMPLER_QUALITY_OFF))
     throw Error(ExitStatus::BadUsage,
                 "the scalar reference has no --clamp with --regularization both or sampler quality");
+  if ((settings.aovs & render::AOV_SIGMA) != 0)
+    throw Error(ExitStatus::BadUsage, "the scalar reference has no --aov sigma");
   reference::Settings result;
   result.width = settings.width;
   result.height = settings.height;
