@@ -71,7 +71,8 @@ float light_importance(vec3 from_center, float radius, uint normals, bool is_two
 
 // One pair, and what is to know of its two nodes.
 struct LightPairChoice {
-  float share;  // of the first; negative if neither can be chosen
+  vec2 shares;  // of both, each rounded for itself: 1 less the other would lose the digits of a small one.
+                // Negative if neither can be chosen
   uvec2 places, children;
   bool is_fixed;
 };
@@ -91,11 +92,11 @@ LightPairChoice weigh_light_pair(LightTreeRoot root, LightTreeWalk walk, vec3 re
                                   (flags & LIGHT_PAIR_TWO_SIDED << 1u) != 0u, receiver_normal, second_squared);
   second *= square(clamp(first_squared / second_squared, 1e-12, 1e12));
   float sum = first + second;
-  float proportion = first / sum;
-  if (first > 0.0 && second > 0.0) proportion = clamp(proportion, LEAST_SHARE, 1.0 - LEAST_SHARE);
+  vec2 shares = sum > 0.0 ? vec2(first, second) / sum : vec2(-1.0);
+  if (first > 0.0 && second > 0.0) shares = clamp(shares, LEAST_SHARE, 1.0 - LEAST_SHARE);
   bool is_fixed = (flags & LIGHT_PAIR_FIXED) != 0u;
-  float share = is_fixed ? first_share : sum > 0.0 ? proportion : -1.0;
-  return LightPairChoice(share, places, children, is_fixed);
+  if (is_fixed) shares = vec2(first_share, 1.0 - first_share);
+  return LightPairChoice(shares, places, children, is_fixed);
 }
 
 // Goes on to the first or the second node of a pair.
@@ -114,10 +115,10 @@ LightChoice choose_by_tree(LightTreeRoot root, LightReceiver receiver, vec2 u) {
   bool is_first_number = true;
   for (uint depth = 0u; depth < MAX_LIGHT_TREE_DEPTH; ++depth) {
     LightPairChoice pair = weigh_light_pair(root, walk, receiver.normal);
-    if (pair.share < 0.0) break;
-    bool takes_first = number < pair.share;
-    float taken = takes_first ? pair.share : 1.0 - pair.share;
-    number = min((takes_first ? number : number - pair.share) / taken, ONE_MINUS_ULP);
+    if (pair.shares.x < 0.0) break;
+    bool takes_first = number < pair.shares.x;
+    float taken = takes_first ? pair.shares.x : pair.shares.y;
+    number = min((takes_first ? number : number - pair.shares.x) / taken, ONE_MINUS_ULP);
     probability *= taken;
     if (is_first_number && probability < LAST_OF_FIRST_NUMBER) {
       number = u.y;
@@ -137,7 +138,7 @@ float tree_probability(LightTreeRoot root, LightReceiver receiver, uint light) {
   for (uint depth = 0u; depth < MAX_LIGHT_TREE_DEPTH && (walk.pair & LIGHT_PAIR_LEAF) == 0u; ++depth) {
     LightPairChoice pair = weigh_light_pair(root, walk, receiver.normal);
     bool takes_first = (trail >> depth & 1u) == 0u;
-    probability *= pair.share < 0.0 ? 0.0 : takes_first ? pair.share : 1.0 - pair.share;
+    probability *= max(takes_first ? pair.shares.x : pair.shares.y, 0.0);
     walk = descend_light_pair(walk, pair, takes_first);
   }
   return probability;
