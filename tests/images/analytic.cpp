@@ -5,6 +5,7 @@
 // own error enters the distance: 1e-5 relative bounds them.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -305,6 +306,44 @@ TEST_F(Analytic, UnlitSurfacesShowTheirBaseColourExactly) {
     const image::Image found = render(prepare(scene), point_sampled(8, 8, 5)).image;
     for (size_t i = 0; i < found.rgb.size(); ++i)
       ASSERT_EQ(found.rgb[i], static_cast<float>(ALBEDO[static_cast<int>(i % 3)])) << i;
+  }
+}
+
+// A thin lens before the edge of a lamp: a point of the film sees the share of the lens from which the lamp
+// lies behind it, a segment of the disk. Focused behind the lamp and before it, by camera paths and by
+// splats.
+TEST_F(Analytic, LensBlursAnEdgeByItsOwnShape) {
+  constexpr double LENS_RADIUS = 0.05, LAMP_DISTANCE = 2, FILM_HALF_WIDTH = 0.06;  // m; the film at the lamp
+  constexpr uint32_t WIDTH = 24, HEIGHT = 8;
+  GltfScene scene;
+  scene.add({quad({-0.2, -0.1, -LAMP_DISTANCE}, {0.2, 0, 0}, {0, 0.2, 0})}, emitter({1, 2, 3}));
+  scene.set_perspective(look_at({0, 0, 0}, {0, 0, -1}),
+                        2 * std::atan(FILM_HALF_WIDTH / LAMP_DISTANCE * HEIGHT / WIDTH));
+  PreparedScene prepared = prepare(scene);
+  prepared.scene.cameras[0].lens_radius = static_cast<float>(LENS_RADIUS);
+  uint32_t stream = 50;
+  for (const double focus : {5.0, 1.25}) {
+    prepared.scene.cameras[0].focus_distance = static_cast<float>(focus);
+    const double blur = LENS_RADIUS * std::abs(1 - LAMP_DISTANCE / focus);
+    image::Image known{WIDTH, HEIGHT, {}};
+    for (uint32_t pixel = 0; pixel < WIDTH * HEIGHT; ++pixel) {
+      double share = 0;
+      constexpr int STEPS = 64;  // over the pixel
+      for (int i = 0; i < STEPS; ++i) {
+        const double x = FILM_HALF_WIDTH * (2 * (pixel % WIDTH + (i + 0.5) / STEPS) / WIDTH - 1);
+        const double t = std::clamp(-x / blur, -1.0, 1.0);
+        share += (0.5 + (t * std::sqrt(1 - t * t) + std::asin(t)) / pi) / STEPS;
+      }
+      for (int c = 1; c <= 3; ++c) known.rgb.push_back(static_cast<float>(c * share));
+    }
+    for (const uint32_t technique : {interface::TECHNIQUE_HIT, interface::TECHNIQUE_SPLAT}) {
+      RenderSettings settings = box_filtered(WIDTH, HEIGHT, 256, 1);
+      settings.techniques = technique;
+      ComparisonOptions options;
+      options.tile = 2;
+      expect_known(technique == interface::TECHNIQUE_HIT ? "thin lens, camera paths" : "thin lens, splats",
+                   render_batches(prepared, settings, BATCHES, stream++), known, options);
+    }
   }
 }
 
