@@ -25,8 +25,7 @@ inline void add_ball(GltfScene& scene, const nlohmann::json& material, const glm
       const double turn = std::atan2(corner.z, corner.x) / 6.283185307179586;
       const glm::vec3 normal(glm::normalize(corner));
       corners.normals.push_back(normal);
-      // Given: tangents that are computed are those of the mesh as it is stored, which differ under
-      // stretching.
+      // Along a slanted axis, which computed ones would not be.
       corners.tangents.emplace_back(glm::normalize(glm::cross(normal, {0.6f, 0.64f, 0.48f})), 1);
       corners.uvs.emplace_back(3 * std::abs(turn), 0.5 + 0.5 * corner.y);
       corners.colors.emplace_back(0.5 + 0.5 * corner.y, 0.8, 0.5 + 0.5 * corner.x, 1);
