@@ -69,14 +69,12 @@ std::pair<uint32_t, Sphere> place_of(const LightBounds& bounds, const Sphere& pa
   return {pack_bytes({bytes, radius_byte}), sphere};
 }
 
-/// LightPair::normals: a unit vector within the cone is no farther from its axis than the chord. The ball is
-/// a unit wider than that: a light that is seen at grazing would have a height that is the small difference
-/// of large numbers, and single precision's probability of it few digits.
+/// LightPair::normals: a unit vector within the cone is no farther from its axis than the chord.
 uint32_t normals_of(const LightBounds& bounds) {
   const dvec3 bytes = signed_bytes(bounds.axis);
   const double moved = length((bytes - BYTE_CENTER) / BYTE_SCALE - bounds.axis);
   const double ball = 2 * std::sin(0.5 * bounds.theta_o) + moved + SLACK;
-  return pack_bytes({bytes, std::min(std::ceil(0.5 * ball * BYTE_MAX) + 1, BYTE_MAX)});
+  return pack_bytes({bytes, std::min(std::ceil(0.5 * ball * BYTE_MAX), BYTE_MAX)});
 }
 
 /// Neither of two nodes is lost to rounding.
