@@ -47,6 +47,7 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
   }
   if (!compensates_energy) return;
   std::vector<float> indices;
+  indices.reserve(average.size());
   for (const auto& [ior, mean] : average) indices.push_back(ior);
   energy_ = std::make_unique<const EnergyTables>(std::move(indices), ndf, shadowing);
 }
