@@ -131,8 +131,8 @@ class Bsdf {
   double dielectric_gain(double camera_z) const;
   glm::dvec3 metal_gain(double camera_z) const;
   glm::dvec3 compensated_reflectance(double cos_facet, double eta, double camera_z) const;
-  glm::dvec3 diffuse_transmittance(double cosine,
-                                   double eta) const;            // of the interface, for the diffuse lobe
+  /// Of the interface, for the diffuse lobe.
+  glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
   glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
   double reflection_probability(double cos_facet, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
