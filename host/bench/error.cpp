@@ -16,6 +16,17 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+image::Image part_of(const image::Image& image, const render::Window& part) {
+  if (part.pixels() == 0) return image;
+  image::Image cut{part.width, part.height, {}};
+  cut.rgb.reserve(3 * part.pixels());
+  for (uint32_t y = part.y; y < part.y + part.height; ++y) {
+    const auto row = image.rgb.begin() + 3 * (ptrdiff_t{y} * image.width + part.x);
+    cut.rgb.insert(cut.rgb.end(), row, row + 3 * ptrdiff_t{part.width});
+  }
+  return cut;
+}
+
 // One render: its curve and its last image.
 struct Trial {
   std::vector<ErrorPoint> points;
@@ -30,9 +41,10 @@ void warm_up(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh
   render::Renderer(device, scene, bvh, settings).render([](uint64_t, uint64_t) { return true; });
 }
 
-// @param reference null: no curve
+// @param reference of the region; null: no curve
 Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                render::RenderSettings settings, const ErrorBudget& budget, const image::Image* reference) {
+                render::RenderSettings settings, const ErrorBudget& budget, const image::Image* reference,
+                const render::Window& region) {
   settings.keeps_doublings = true;
   settings.samples = budget.samples != 0 ? budget.samples : 1u << 24;
   const uint64_t pixels = settings.window().pixels();
@@ -50,7 +62,7 @@ Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& 
     const auto before = Clock::now();
     const double cpu_before = process_cpu_seconds();
     compared_paths = film.paths;
-    trial.image = render::resolve(film);
+    trial.image = part_of(render::resolve(film), region);
     if (reference != nullptr)
       trial.points.push_back({seconds, cpu_seconds,
                               static_cast<double>(film.paths) / static_cast<double>(pixels),
@@ -130,35 +142,40 @@ double mean_of(const image::Image& image) {
 
 std::vector<Trial> run_trials(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                               render::RenderSettings settings, const ErrorBudget& budget,
-                              const image::Image* reference) {
+                              const image::Image* reference, const render::Window& region) {
   warm_up(device, scene, bvh, settings);
   std::vector<Trial> trials;
   for (uint32_t i = 0; i < budget.seeds; ++i, ++settings.seed)
-    trials.push_back(run_trial(device, scene, bvh, settings, budget, reference));
+    trials.push_back(run_trial(device, scene, bvh, settings, budget, reference, region));
   return trials;
 }
 
 }  // namespace
 
+image::Image measured_reference(const ErrorSubject& subject) {
+  return part_of(subject.reference, subject.region);
+}
+
 ErrorRun measure_error(gpu::Device& device, const ErrorSubject& subject,
                        const render::RenderSettings& settings, const ErrorBudget& budget) {
+  const image::Image reference = measured_reference(subject);
   std::vector<Trial> trials =
-      run_trials(device, subject.scene, subject.bvh, settings, budget, &subject.reference);
-  const Spread spread = spread_of(trials, &subject.reference);
+      run_trials(device, subject.scene, subject.bvh, settings, budget, &reference, subject.region);
+  const Spread spread = spread_of(trials, &reference);
   ErrorRun run;
   run.points = mean_curve(trials);
   run.relmse = run.points.back().relmse;
   run.variance = spread.relative_variance;
-  run.squared_bias = image::compare(spread.mean, subject.reference).relmse -
-                     run.variance / static_cast<double>(budget.seeds);
-  run.mean_ratio = mean_of(spread.mean) / mean_of(subject.reference);
+  run.squared_bias =
+      image::compare(spread.mean, reference).relmse - run.variance / static_cast<double>(budget.seeds);
+  run.mean_ratio = mean_of(spread.mean) / mean_of(reference);
   run.image = std::move(trials.front().image);
   return run;
 }
 
 Reference make_reference(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                          const render::RenderSettings& settings, const ErrorBudget& budget) {
-  const std::vector<Trial> trials = run_trials(device, scene, bvh, settings, budget, nullptr);
+  const std::vector<Trial> trials = run_trials(device, scene, bvh, settings, budget, nullptr, {});
   Spread spread = spread_of(trials, nullptr);
   return {std::move(spread.mean), spread.relative_variance / static_cast<double>(budget.seeds)};
 }

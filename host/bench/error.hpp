@@ -35,14 +35,15 @@ struct ErrorRun {
   /// relmse of the mean over seeds, less what variance leaves in it: squared bias. Not below 0 but for noise.
   double squared_bias = 0;
   double mean_ratio = 0;  ///< mean of all pixels and channels over the reference's
-  image::Image image;     ///< of the first seed
+  image::Image image;     ///< of the first seed, its region
 };
 
 /// What error benchmarks need of a scene.
 struct ErrorSubject {
   const scene::Scene& scene;
   const bvh::Bvh& bvh;
-  const image::Image& reference;
+  const image::Image& reference;  ///< of the whole film
+  render::Window region{};        ///< pixels that are measured, of a whole render; without pixels: all
 };
 
 struct ErrorBudget {
@@ -52,6 +53,9 @@ struct ErrorBudget {
   uint32_t seeds = 5;                              ///< at least 2
   std::function<bool()> is_interrupted = nullptr;  ///< if it says so, what is being rendered is given up
 };
+
+/// The pixels of the subject's reference that are measured. @pre the region lies on the film
+image::Image measured_reference(const ErrorSubject& subject);
 
 /// Renders with seeds settings.seed, settings.seed + 1, ... and compares; film size is the reference's.
 /// @throws regulus::Error as render::Renderer, and (Interrupted)

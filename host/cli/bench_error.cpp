@@ -16,6 +16,7 @@
 #include "cli/bench_options.hpp"
 #include "cli/bench_talk.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/render_options.hpp"
 #include "image/atomic_file.hpp"
 
 namespace regulus::cli {
@@ -33,13 +34,14 @@ struct BenchErrorOptions {
   std::vector<std::string> scenes;
   std::string configs = DEFAULT_CONFIGS;
   std::string references;  ///< folder; empty: "reference" beside each scene
+  std::string region;      ///< x0,y0,x1,y1; empty: the whole film
   std::string json, html;
   std::string device;
   bench::ErrorBudget budget;
 };
 
 struct BenchReferenceOptions {
-  std::string scene, output, size = "256x256", options = "-i vcm --regularization none", device;
+  std::string scene, output, size = "256x256", options = "-i vcm --regularization none --seed 1001", device;
   bench::ErrorBudget budget;
 };
 
@@ -107,18 +109,22 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   bench::Section section{comparison.title, comparison.text, comparison.scene, {}, 0, 0, {}};
   const fs::path file = reference_file(comparison.scene, options.references);
   image::Attributes attributes;
-  section.reference = image::read_exr(file, &attributes);
+  const image::Image whole = image::read_exr(file, &attributes);
   const std::string& error = attributes[REFERENCE_ERROR];
   if (std::from_chars(error.data(), error.data() + error.size(), section.reference_relmse).ec != std::errc{})
     section.reference_relmse = std::numeric_limits<double>::quiet_NaN();
 
+  render::Window region;
+  if (!options.region.empty()) region = parse_window("--region", options.region, {whole.width, whole.height});
+
   Loaded loaded = load(comparison.scene);
   fmt::print("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene,
-             section.reference.width, section.reference.height, section.reference_relmse);
+             whole.width, whole.height, section.reference_relmse);
   fmt::print("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s",
              "relmse", "variance", "bias^2", "mean");
-  const std::string size = fmt::format("{}x{}", section.reference.width, section.reference.height);
-  const bench::ErrorSubject subject{loaded.scene, loaded.bvh, section.reference};
+  const std::string size = fmt::format("{}x{}", whole.width, whole.height);
+  const bench::ErrorSubject subject{loaded.scene, loaded.bvh, whole, region};
+  section.reference = bench::measured_reference(subject);
   bench::ErrorBudget budget = options.budget;
   if (comparison.samples != 0 && budget.samples == 0) budget.samples = comparison.samples;
   for (const BenchConfig& config : comparison.configs) {
@@ -221,6 +227,8 @@ void declare_outputs(CLI::App& command, BenchErrorOptions& options) {
   command.add_option(
       "--references", options.references,
       "Folder of the references, NAME.exr for NAME.gltf (default: \"reference\" beside each scene)");
+  command.add_option("--region", options.region,
+                     "Measure only the pixels x0,y0,x1,y1 of each scene, of whole renders");
   command.add_option("--json", options.json, "Write what was measured as JSON");
   command.add_option("--html", options.html, "Write a page with plots and pictures");
   command.add_option("--device", options.device, "Index or part of the name of the Vulkan device");

@@ -112,17 +112,6 @@ std::vector<uint32_t> parse_numbers(const std::string& text, char separator, siz
   return numbers;
 }
 
-render::Window parse_crop(const std::string& text, const glm::uvec2& size) {
-  const std::vector<uint32_t> edges = parse_numbers(text, ',', 4);
-  if (edges.empty() || edges[0] >= edges[2] || edges[1] >= edges[3] || edges[2] > size.x || edges[3] > size.y)
-    throw Error(
-        ExitStatus::BadUsage,
-        fmt::format("--crop {}: expected x0,y0,x1,y1 with 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}, in "
-                    "pixels from the top left, x1 and y1 excluded",
-                    text, size.x, size.y));
-  return {edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
-}
-
 void parse_sample_range(const std::string& text, render::RenderSettings& settings) {
   const std::vector<uint32_t> range = parse_numbers(text, ':', 2);
   if (range.empty() || range[1] == 0 || uint64_t{range[0]} + range[1] > MAX_SAMPLES)
@@ -193,6 +182,16 @@ float parse_merge_radius(const std::string& text, float scene_radius) {
 }
 
 }  // namespace
+
+render::Window parse_window(const char* option, const std::string& text, const glm::uvec2& size) {
+  const std::vector<uint32_t> edges = parse_numbers(text, ',', 4);
+  if (edges.empty() || edges[0] >= edges[2] || edges[1] >= edges[3] || edges[2] > size.x || edges[3] > size.y)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("{} {}: expected x0,y0,x1,y1 with 0 <= x0 < x1 <= {} and 0 <= y0 < y1 <= {}, in "
+                            "pixels from the top left, x1 and y1 excluded",
+                            option, text, size.x, size.y));
+  return {edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
+}
 
 void declare_render_options(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
@@ -410,7 +409,7 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
       options.size.empty() ? default_size(scene, settings.camera) : parse_size(options.size);
   settings.width = size.x;
   settings.height = size.y;
-  if (!options.crop.empty()) settings.crop = parse_crop(options.crop, size);
+  if (!options.crop.empty()) settings.crop = parse_window("--crop", options.crop, size);
   if (!options.sample_range.empty()) parse_sample_range(options.sample_range, settings);
   settings.aovs = render::parse_aovs(options.aovs);
   settings.techniques =

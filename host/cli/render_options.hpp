@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <glm/glm.hpp>
 #include <optional>
 #include <string>
 
@@ -62,6 +63,11 @@ void lift_sample_limit(const CLI::App& command, RenderOptions& options);
 /// Unknown names and names that make no sense in a scene become warnings of the scene.
 /// @throws regulus::Error (BadFile) for a value the option does not take
 void apply_scene_settings(CLI::App& command, scene::Scene& scene);
+
+/// A rectangle x0,y0,x1,y1 of a film of `size` pixels, from the top left, x1 and y1 excluded.
+/// @param option what the error calls it
+/// @throws regulus::Error (BadUsage) if it is anything else, empty or not within the film
+render::Window parse_window(const char* option, const std::string& text, const glm::uvec2& size);
 
 /// TECHNIQUE_* bits of an integrator's name or of a comma-separated list of techniques. @throws
 /// regulus::Error (BadUsage).

@@ -70,6 +70,22 @@ size_t count(const std::string& text, const std::string& wanted) {
   return found;
 }
 
+// What a browser makes of a page.
+struct LoadedPage {
+  std::string document, console;
+};
+
+LoadedPage load_in_browser(const std::string& page, const std::string& folder) {
+  const std::string console_file = folder + "/console.txt";
+  LoadedPage loaded;
+  loaded.document = run_shell(
+      "timeout 120 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --user-data-dir=" +
+      folder + "/profile --dump-dom 'file://" + page + "' 2>" + console_file);
+  std::ifstream stream(console_file);
+  loaded.console.assign(std::istreambuf_iterator<char>(stream), {});
+  return loaded;
+}
+
 TEST_F(Bench, PageShowsACurveForEachConfiguration) {
   if (run_shell("command -v chromium").empty()) GTEST_SKIP() << "no chromium on this machine";
   ASSERT_EQ(make_reference().status, 0);
@@ -78,16 +94,54 @@ TEST_F(Bench, PageShowsACurveForEachConfiguration) {
            file("page.html"), "--configs",
            "a </script> name=-i pt --filter box;second=-i pt --filter box --max-depth 2"});
   ASSERT_EQ(finished.status, 0) << finished.err;
-  const std::string document = run_shell(
-      "timeout 120 chromium --headless --no-sandbox --disable-gpu --enable-logging=stderr --user-data-dir=" +
-      file("profile") + " --dump-dom 'file://" + file("page.html") + "' 2>" + file("console.txt"));
-  std::ifstream stream(file("console.txt"));
-  const std::string console{std::istreambuf_iterator<char>(stream), {}};
+  const auto [document, console] = load_in_browser(file("page.html"), folder_.path().string());
   EXPECT_EQ(count(console, "CONSOLE"), 0u) << console;
   EXPECT_EQ(count(document, "class=\"curve\""), 2u);
   EXPECT_EQ(count(document, "<h2>floor</h2>"), 1u);
   EXPECT_EQ(count(document, "alt=\"relative error of "), 2u) << "heat maps";
   EXPECT_EQ(count(document, "alt=\"picture by "), 2u);
+}
+
+// The comparisons (a) to (g) of the talk; what they show is a matter of the scenes, which the floor stands
+// for here.
+TEST_F(Bench, TalkShowsEachComparison) {
+  if (run_shell("command -v chromium").empty()) GTEST_SKIP() << "no chromium on this machine";
+  ASSERT_EQ(make_reference().status, 0);
+  for (const std::string name : {"watch", "mirrors", "cornell", "pool"}) {
+    std::filesystem::create_directory(file(name));
+    write_lit_floor(file(name + "/" + name + ".gltf"));
+    std::filesystem::copy_file(file("reference/floor.exr"), file("reference/" + name + ".exr"));
+  }
+  const Finished finished =
+      run({"bench", "talk", "--folder", folder_.path().string(), "--references", file("reference"), "--spp",
+           "2", "--seeds", "2", "--html", file("talk.html")});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  const auto [document, console] = load_in_browser(file("talk.html"), folder_.path().string());
+  EXPECT_EQ(count(console, "CONSOLE"), 0u) << console;
+  EXPECT_EQ(count(document, "<h2>"), 7u);
+  EXPECT_EQ(count(document, "class=\"curve\""), 2u + 4u + 3u + 2u + 5u + 6u + 4u);
+}
+
+// The right half of the floor by itself: as many values as there are, and the whole film's error in the mean
+// of both.
+TEST_F(Bench, MeasuresARegion) {
+  ASSERT_EQ(make_reference().status, 0);
+  double relmse[3];
+  const char* regions[3] = {"0,0,32,32", "0,0,16,32", "16,0,32,32"};
+  for (int i = 0; i < 3; ++i) {
+    const Finished finished =
+        run({"bench", "error", "--scenes", file("floor.gltf"), "--spp", "1", "--seeds", "2", "--json",
+             file("error.json"), "--region", regions[i], "--configs", "pt=-i pt"});
+    ASSERT_EQ(finished.status, 0) << finished.err;
+    std::ifstream stream(file("error.json"));
+    relmse[i] = json::parse(stream)["sections"][0]["runs"][0]["relmse"].get<double>();
+  }
+  EXPECT_NE(relmse[1], relmse[2]);
+  EXPECT_NEAR((relmse[1] + relmse[2]) / 2, relmse[0], 1e-9);
+  const Finished outside = run({"bench", "error", "--scenes", file("floor.gltf"), "--spp", "1", "--region",
+                                "0,0,33,32", "--configs", "pt=-i pt"});
+  EXPECT_EQ(outside.status, 2);
+  EXPECT_NE(outside.err.find("--region 0,0,33,32"), std::string::npos) << outside.err;
 }
 
 TEST_F(Bench, NamesWhatIsMissing) {
