@@ -25,7 +25,7 @@ using Json = nlohmann::ordered_json;
 using namespace interface;
 
 struct InspectOptions {
-  std::string scene_file, json;
+  std::string scene_file, json, variant;
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
 };
@@ -142,7 +142,9 @@ Json regularization_json(const scene::Features& features, const render::RenderSe
 }
 
 Json inspect(const InspectOptions& options) {
-  scene::Scene scene = scene::load(options.scene_file, {options.scene_index, options.allow_external, {}});
+  scene::Scene scene =
+      scene::load(options.scene_file,
+                  {options.scene_index, options.allow_external, {}, scene::SHARING_GAIN, options.variant});
   const render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const scene::Features features = scene::find_features(scene);
@@ -162,6 +164,7 @@ Json inspect(const InspectOptions& options) {
           {"vertices", scene.vertices.size()},
           {"materials", materials_json(scene)},
           {"lights", lights_json(scene)},
+          {"variants", scene.inventory.variants},
           {"images", scene.inventory.images},
           {"textures", scene.textures.size()},
           {"bytes", memory_json(scene, bvh, settings)},
@@ -201,6 +204,7 @@ void print_contents(const Json& scene) {
     fmt::print("material         {}, {}{}, {} triangles\n", material["name"].dump(),
                material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",
                material["triangles"].get<uint64_t>());
+  for (const Json& variant : scene["variants"]) fmt::print("variant          {}\n", variant.dump());
   for (const auto& [kind, count] : scene["lights"].items())
     if (count > 0) fmt::print("lights           {} {}\n", count.get<uint64_t>(), kind);
   fmt::print("textures         {} of {} images\n", scene["textures"].get<uint64_t>(),
@@ -235,6 +239,8 @@ void add_inspect_command(CLI::App& app) {
       ->type_name("SCENE");
   command->add_option("--scene", options->scene_index,
                       "Scene of the file by index (default: its own default)");
+  command->add_option("--variant", options->variant,
+                      "Material variant by name (default: the scene's, or none)");
   command->add_option("--json", options->json, "Write everything to this file");
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");

@@ -74,6 +74,7 @@ const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "wave",
                                                  "backend",
                                                  "env",
+                                                 "variant",
                                                  "env-rotation",
                                                  "env-scale",
                                                  "samples",
@@ -304,6 +305,8 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       "Extra channels, comma-separated: albedo, N, Ng, P, Z, material, instance, sigma, variance, samples");
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
+  command.add_option("--variant", options.variant,
+                     "Material variant by name (default: the scene's, or none)");
   command.add_option(
       "--env", options.environment,
       "Environment light: a latitude-longitude map, OpenEXR or Radiance HDR (default: the scene's)");
@@ -367,7 +370,9 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
 scene::LoadOptions load_options(const RenderOptions& options) {
   return {options.scene_index,
           options.allow_external,
-          {options.environment, options.environment_rotation, options.environment_scale}};
+          {options.environment, options.environment_rotation, options.environment_scale},
+          scene::SHARING_GAIN,
+          options.variant};
 }
 
 void apply_scene_settings(CLI::App& command, scene::Scene& scene) {

@@ -41,6 +41,7 @@ struct RenderOptions {
   std::optional<double> noise_target;  ///< see render::NoiseEstimate; none: all samples
   std::optional<float> filter_radius;  ///< pixels; none: the filter's own
   std::optional<uint32_t> scene_index;
+  std::string variant;      ///< of materials; empty: the scene's
   std::string environment;  ///< file; empty: the scene's
   std::optional<double> environment_rotation, environment_scale;
   bool has_no_sample_limit = false;  ///< render until the time or the noise is reached

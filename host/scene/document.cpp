@@ -11,6 +11,7 @@
 
 #include "scene/compression.hpp"
 #include "scene/schema.hpp"
+#include "scene/specular_glossiness.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -200,6 +201,7 @@ Document open_document(const std::filesystem::path& path, bool allow_external) {
   document.images = reduced.value("images", json::array());
   decode_meshopt_views(document, reduced);
   complete_draco_accessors(reduced);
+  convert_specular_glossiness(reduced);
   document.model = to_model(reduced, document);
   decode_draco_primitives(document, reduced);
   return document;

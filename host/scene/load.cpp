@@ -16,6 +16,7 @@
 #include "scene/punctual.hpp"
 #include "scene/scene.hpp"
 #include "scene/schema.hpp"
+#include "scene/variants.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -56,7 +57,7 @@ void read_settings(Document& document, size_t scene_index, Scene& scene) {
   const json* settings = regulus_extras(document, scene_index);
   if (settings == nullptr || !settings->is_object()) return;
   for (const auto& [name, value] : settings->items()) {
-    if (name == "environment") continue;  // no option but part of the scene
+    if (name == "environment" || name == "variant") continue;  // no options but part of the scene
     if (value.is_string())
       scene.settings[name] = value.get<std::string>();
     else if (value.is_number() || value.is_boolean())
@@ -65,6 +66,16 @@ void read_settings(Document& document, size_t scene_index, Scene& scene) {
       document.warn(fmt::format("scenes/{}/extras/regulus/{} is not a string, number or bool and is ignored",
                                 scene_index, name));
   }
+}
+
+/// The variant that the command line or else the scene asks for; empty: none.
+std::string asked_variant(const Document& document, const std::optional<size_t>& scene_index,
+                          const LoadOptions& options) {
+  const json* of_scene = object_member(regulus_extras(document, scene_index), "variant");
+  if (!options.variant.empty() || of_scene == nullptr) return options.variant;
+  if (!of_scene->is_string())
+    document.fail("scenes[].extras.regulus.variant is not a string; write the variant's name");
+  return of_scene->get<std::string>();
 }
 
 void set_bounds(Scene& scene) {
@@ -88,6 +99,7 @@ Inventory take_inventory(const Document& document, const std::vector<PlacedNode>
   inventory.meshes = document.model.meshes.size();
   inventory.instances = place_meshes(document, nodes).size();
   inventory.images = document.images.size();
+  inventory.variants = variant_names(document);
   for (const std::string& name : document.extensions_used())
     (is_known_extension(name) ? inventory.extensions_read : inventory.extensions_ignored).push_back(name);
   return inventory;
@@ -96,6 +108,7 @@ Inventory take_inventory(const Document& document, const std::vector<PlacedNode>
 /// The options that make another scene of the same files.
 std::string describe(const LoadOptions& options) {
   std::string text;
+  if (!options.variant.empty()) text += fmt::format("variant {} ", options.variant);
   if (options.scene) text += fmt::format("scene {} ", *options.scene);
   if (options.environment.rotation) text += fmt::format("rotation {} ", *options.environment.rotation);
   if (options.sharing_gain != SHARING_GAIN) text += fmt::format("sharing gain {} ", options.sharing_gain);
@@ -107,6 +120,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   Document document = open_document(path, options.allow_external);
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
   const std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
+  const std::string variant = asked_variant(document, scene_index, options);
+  if (!variant.empty()) choose_variant(document, variant);
 
   Scene scene;
   scene.path = path;

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "scene/specular_glossiness.hpp"
 #include "scene/texture.hpp"
 #include "scene/uv_mapping.hpp"
 
@@ -19,7 +20,10 @@ namespace {
 using interface::INVALID_INDEX;
 using tinygltf::Value;
 
+constexpr double USUAL_IOR = 1.5;
 constexpr double INFINITE_IOR = 1e6;
+// From here on an index stands for an infinite one (glTF-Transform writes 1000).
+constexpr double LEAST_INFINITE_IOR = 100;
 constexpr uint32_t ALPHA_FLAGS = interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND;
 
 bool is_unlit(const tinygltf::Material& material) {
@@ -81,13 +85,28 @@ class MaterialBuilder {
   float factor(double value, const char* member) { return in_range(value, 0, 1, member); }
 
   void set_dielectric(interface::Material& material) {
-    const double ior = number(extension("KHR_materials_ior"), "ior", 1.5);
+    const double ior = number(extension("KHR_materials_ior"), "ior", USUAL_IOR);
     material.ior = ior == 0 ? static_cast<float>(INFINITE_IOR) : in_range(ior, 1, INFINITE_IOR, "ior");
     const Value* specular = extension("KHR_materials_specular");
     material.specular = factor(number(specular, "specularFactor", 1), "specularFactor");
     const glm::dvec3 tint = color(specular, "specularColorFactor");
     for (int i = 0; i < 3; ++i)
       material.specular_color[i] = in_range(tint[i], 0, FLT_MAX, "specularColorFactor");
+    if (material.ior >= LEAST_INFINITE_IOR) give_usual_ior(material);
+  }
+
+  /// The exact reflectance of an infinite index is 1 in all directions, so it cannot say how the specular
+  /// colour, which is then the reflectance at normal incidence, grows towards grazing. Schlick's curve, which
+  /// the extensions have there, is close to that of the usual index. Nothing gets through either way, but
+  /// what transmits keeps its index.
+  void give_usual_ior(interface::Material& material) {
+    if (number(extension("KHR_materials_transmission"), "transmissionFactor", 0) > 0) return;
+    const auto reflectance = [](double ior) { return (ior - 1) * (ior - 1) / ((ior + 1) * (ior + 1)); };
+    const double scale = reflectance(material.ior) / reflectance(USUAL_IOR);
+    for (int i = 0; i < 3; ++i)
+      material.specular_color[i] =
+          in_range(scale * material.specular_color[i], 0, FLT_MAX, "specular colour");
+    material.ior = static_cast<float>(USUAL_IOR);
   }
 
   void set_transmission(interface::Material& material) {
@@ -193,7 +212,7 @@ class TextureSlots {
     }
     material.base_color_texture = load(base_color, TextureContent::Color);
     material.metallic_roughness_texture =
-        load(texture_use(pbr.metallicRoughnessTexture), TextureContent::Data);
+        load(texture_use(pbr.metallicRoughnessTexture), {false, texture_glossiness(source_)});
     material.normal_texture = load(texture_use(source_.normalTexture), TextureContent::Data);
     if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
       material.emissive_texture = load(texture_use(source_.emissiveTexture), TextureContent::Color);

@@ -37,6 +37,7 @@ struct Inventory {
   bool has_cameras = false;                     ///< false: the only camera is one framed on the bounds
   std::vector<std::string> extensions_read;     ///< of extensionsUsed
   std::vector<std::string> extensions_ignored;  ///< of extensionsUsed
+  std::vector<std::string> variants;            ///< KHR_materials_variants, by name
 };
 
 /// A mesh that is stored once for several copies: consecutive triangles of Scene::triangles, in the mesh's
@@ -96,6 +97,8 @@ struct LoadOptions {
   bool allow_external = false;    ///< URIs outside the scene's folder
   EnvironmentOptions environment{};
   uint64_t sharing_gain = SHARING_GAIN;  ///< bytes; 0: whatever is placed twice is shared
+  /// Material variant by name; empty: what scenes[].extras.regulus says, else the file's own materials.
+  std::string variant{};
 };
 
 /// Reads a .gltf or .glb file.

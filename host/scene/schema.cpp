@@ -23,12 +23,23 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 15> KNOWN_EXTENSIONS = {
-    "EXT_mesh_gpu_instancing",    "EXT_meshopt_compression",    "EXT_texture_webp",
-    "KHR_draco_mesh_compression", "KHR_lights_punctual",        "KHR_materials_emissive_strength",
-    "KHR_materials_anisotropy",   "KHR_materials_clearcoat",    "KHR_materials_ior",
-    "KHR_materials_specular",     "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_volume",       "KHR_mesh_quantization",      "KHR_texture_transform"};
+constexpr std::array<std::string_view, 17> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_instancing",
+                                                               "EXT_meshopt_compression",
+                                                               "EXT_texture_webp",
+                                                               "KHR_draco_mesh_compression",
+                                                               "KHR_lights_punctual",
+                                                               "KHR_materials_emissive_strength",
+                                                               "KHR_materials_anisotropy",
+                                                               "KHR_materials_clearcoat",
+                                                               "KHR_materials_ior",
+                                                               "KHR_materials_specular",
+                                                               "KHR_materials_transmission",
+                                                               "KHR_materials_unlit",
+                                                               "KHR_materials_volume",
+                                                               "KHR_mesh_quantization",
+                                                               "KHR_texture_transform",
+                                                               "KHR_materials_variants",
+                                                               "KHR_materials_pbrSpecularGlossiness"};
 
 enum class Kind {
   Index,       // non-negative integer below the length of the array `target`
@@ -66,6 +77,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"light", {Kind::Index, "lights"}},
       {"children", {Kind::IndexArray, "nodes"}},
       {"nodes", {Kind::IndexArray, "nodes"}},
+      {"variants", {Kind::IndexArray, "variants"}},
       {"attributes", {Kind::IndexMap, "accessors"}},
       {"mode", {Kind::Integer}},
       {"componentType", {Kind::Integer}},
@@ -91,6 +103,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"clearcoatRoughnessFactor", {Kind::Number}},
       {"anisotropyStrength", {Kind::Number}},
       {"anisotropyRotation", {Kind::Number}},
+      {"glossinessFactor", {Kind::Number}},
       {"intensity", {Kind::Number}},
       {"range", {Kind::Number}},
       {"innerConeAngle", {Kind::Number}},
@@ -106,6 +119,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"rotation", {Kind::Vector, {}, 4}},
       {"matrix", {Kind::Vector, {}, 16}},
       {"baseColorFactor", {Kind::Vector, {}, 4}},
+      {"diffuseFactor", {Kind::Vector, {}, 4}},
       {"emissiveFactor", {Kind::Vector, {}, 3}},
       {"color", {Kind::Vector, {}, 3}},
       {"attenuationColor", {Kind::Vector, {}, 3}},
@@ -133,6 +147,8 @@ const std::map<std::string_view, Rule>& rules() {
       {"clearcoatRoughnessTexture", {Kind::Object}},
       {"clearcoatNormalTexture", {Kind::Object}},
       {"anisotropyTexture", {Kind::Object}},
+      {"diffuseTexture", {Kind::Object}},
+      {"specularGlossinessTexture", {Kind::Object}},
       {"perspective", {Kind::Object}},
       {"orthographic", {Kind::Object}},
       {"spot", {Kind::Object}},
@@ -142,6 +158,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"cameras", {Kind::ObjectArray}},
       {"images", {Kind::ObjectArray}},
       {"lights", {Kind::ObjectArray}},
+      {"mappings", {Kind::ObjectArray}},
       {"materials", {Kind::ObjectArray}},
       {"meshes", {Kind::ObjectArray}},
       {"primitives", {Kind::ObjectArray}},
@@ -164,6 +181,8 @@ const std::map<std::pair<std::string_view, std::string_view>, Rule>& extension_r
       {{"EXT_meshopt_compression", "filter"}, {Kind::String}},
       {{"EXT_meshopt_compression", "fallback"}, {Kind::Boolean}},
       {{"KHR_draco_mesh_compression", "attributes"}, {Kind::IntegerMap}},
+      {{"KHR_materials_variants", "variants"}, {Kind::ObjectArray}},
+      {{"KHR_materials_pbrSpecularGlossiness", "specularFactor"}, {Kind::Vector, {}, 3}},
       {{"normalTexture", "scale"}, {Kind::Number}},
       {{"KHR_texture_transform", "offset"}, {Kind::Vector, {}, 2}},
       {{"KHR_texture_transform", "scale"}, {Kind::Vector, {}, 2}},
@@ -189,12 +208,8 @@ class Checker {
     for (const char* array : {"accessors", "buffers", "bufferViews", "cameras", "images", "materials",
                               "meshes", "nodes", "samplers", "scenes", "textures"})
       lengths_[array] = array_length(document, array);
-    lengths_["lights"] = 0;
-    const auto extensions = document.find("extensions");
-    if (extensions != document.end() && extensions->is_object()) {
-      const auto punctual = extensions->find("KHR_lights_punctual");
-      if (punctual != extensions->end()) lengths_["lights"] = array_length(*punctual, "lights");
-    }
+    lengths_["lights"] = length_in_extension(document, "KHR_lights_punctual", "lights");
+    lengths_["variants"] = length_in_extension(document, "KHR_materials_variants", "variants");
   }
 
   /// @param extension the extension (or "normalTexture") whose members these are, or empty.
@@ -214,6 +229,13 @@ class Checker {
   static size_t array_length(const json& object, const char* name) {
     const auto array = object.find(name);
     return array != object.end() && array->is_array() ? array->size() : 0;
+  }
+
+  static size_t length_in_extension(const json& document, const char* extension, const char* array) {
+    const auto extensions = document.find("extensions");
+    if (extensions == document.end() || !extensions->is_object()) return 0;
+    const auto found = extensions->find(extension);
+    return found != extensions->end() ? array_length(*found, array) : 0;
   }
 
   [[noreturn]] void refuse(const std::string& path, const std::string& wanted) const {

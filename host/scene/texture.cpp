@@ -87,12 +87,25 @@ std::vector<uint16_t> decoding_table(uint32_t maximum, bool is_srgb) {
   return table;
 }
 
+/// Appends RGBA codes as texels of a roughness that is 1 - glossiness * alpha.
+template <typename Code>
+void append_roughness(const Code* codes, uint64_t count, double glossiness, std::vector<uint32_t>& texels) {
+  const double maximum = static_cast<Code>(~Code{0});
+  for (uint64_t i = 0; i < count; ++i) {
+    const double roughness = 1 - std::clamp(glossiness, 0.0, 1.0) * codes[4 * i + 3] / maximum;
+    texels.push_back(static_cast<uint32_t>(glm::packHalf1x16(static_cast<float>(roughness))) << 16);
+    texels.push_back(0);
+  }
+}
+
 /// Appends RGBA codes as texels. Alpha is always linear.
 template <typename Code>
-void append_texels(const Code* codes, uint64_t count, TextureContent content, std::vector<uint32_t>& texels) {
+void append_texels(const Code* codes, uint64_t count, const TextureContent& content,
+                   std::vector<uint32_t>& texels) {
+  if (content.glossiness) return append_roughness(codes, count, *content.glossiness, texels);
   const uint32_t maximum = static_cast<Code>(~Code{0});
   const std::vector<uint16_t> linear = decoding_table(maximum, false);
-  const std::vector<uint16_t> color = decoding_table(maximum, content == TextureContent::Color);
+  const std::vector<uint16_t> color = decoding_table(maximum, content.is_srgb);
   const size_t first = texels.size();
   texels.resize(first + 2 * count);
   for (uint64_t i = 0; i < count; ++i) {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <map>
+#include <optional>
 #include <tuple>
 #include <utility>
 
@@ -13,8 +14,19 @@
 
 namespace regulus::scene {
 
-/// What the values of a texture mean: colours are sRGB-encoded in the file, data is linear.
-enum class TextureContent { Color, Data };
+/// What the values of a texture mean.
+struct TextureContent {
+  bool is_srgb = false;  ///< RGB as encoded in the file
+  /// Its alpha times this is a glossiness: loaded as a metallic-roughness texture instead, roughness
+  /// 1 - glossiness in G, the rest 0.
+  std::optional<double> glossiness{};
+
+  auto operator<=>(const TextureContent&) const = default;
+
+  static const TextureContent Color, Data;
+};
+inline constexpr TextureContent TextureContent::Color{true};
+inline constexpr TextureContent TextureContent::Data{false};
 
 /// Decodes glTF textures into Scene::textures on demand; each image once per content.
 class TextureLoader {

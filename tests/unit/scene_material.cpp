@@ -152,8 +152,111 @@ TEST(SceneMaterial, ClassesNameTheLobes) {
   EXPECT_EQ(class_of(glass, 0), interface::MATERIAL_CLASS_TRANSMISSIVE);
 }
 
-TEST(SceneMaterial, InfiniteIorIsAVeryLargeOne) {
-  EXPECT_EQ(load_material(with_extension("KHR_materials_ior", {{"ior", 0}})).materials[0].ior, 1e6f);
+// Infinite indices reflect the specular colour at normal incidence: min(F_0 of the index * colour, 1).
+TEST(SceneMaterial, InfiniteIorReflectsTheSpecularColor) {
+  const auto reflectance_of = [](double ior) {
+    const interface::Material material =
+        load_material({{"extensions",
+                        {{"KHR_materials_ior", {{"ior", ior}}},
+                         {"KHR_materials_specular", {{"specularColorFactor", {0.04, 0.2, 1}}}}}}})
+            .materials[0];
+    const float x = (material.ior - 1) / (material.ior + 1);
+    return glm::min(x * x * material.specular_color, glm::vec3(1));
+  };
+  const double of_1000 = std::pow(999.0 / 1001.0, 2);
+  for (int i = 0; i < 3; ++i) {
+    const double color = glm::dvec3(0.04, 0.2, 1)[i];
+    EXPECT_NEAR(reflectance_of(0)[i], color, 1e-5 * color);
+    EXPECT_NEAR(reflectance_of(1000)[i], of_1000 * color, 1e-5 * color);
+  }
+  const json transmitting = {{"KHR_materials_ior", {{"ior", 0}}},
+                             {"KHR_materials_transmission", {{"transmissionFactor", 1}}}};
+  EXPECT_EQ(load_material({{"extensions", transmitting}}).materials[0].ior, 1e6f);
+}
+
+// KHR_materials_pbrSpecularGlossiness: F_0 = specular, roughness = 1 - glossiness, diffuse as base colour.
+TEST(SceneMaterial, SpecularGlossinessIsConverted) {
+  const json factors = {{"diffuseFactor", {0.25, 0.5, 0.75, 0.5}},
+                        {"specularFactor", {0.04, 0.2, 1}},
+                        {"glossinessFactor", 0.25}};
+  json source = with_extension("KHR_materials_pbrSpecularGlossiness", factors);
+  source["pbrMetallicRoughness"] = {{"baseColorFactor", {1, 0, 0, 1}}, {"roughnessFactor", 0.125}};
+  source["alphaMode"] = "BLEND";
+  const interface::Material material = load_material(source).materials[0];
+  EXPECT_EQ(material.base_color, glm::vec3(0.25, 0.5, 0.75));
+  EXPECT_EQ(material.alpha, 0.5f);
+  EXPECT_EQ(material.metallic, 0.0f);
+  EXPECT_EQ(material.roughness, 0.75f);
+  EXPECT_EQ(material.ior, 1.5f);
+  EXPECT_EQ(material.specular, 1.0f);
+  EXPECT_LT(glm::length(material.specular_color - glm::vec3(1, 5, 25)), 25e-5);
+
+  const interface::Material standard =
+      load_material(with_extension("KHR_materials_pbrSpecularGlossiness", json::object())).materials[0];
+  EXPECT_EQ(standard.roughness, 0.0f);
+  EXPECT_EQ(standard.base_color, glm::vec3(1));
+  EXPECT_NEAR(standard.specular_color.r, 25, 1e-4);
+
+  source["extensions"]["KHR_materials_unlit"] = json::object();
+  EXPECT_EQ(load_material(source).materials[0].emission, glm::vec3(1, 0, 0));
+}
+
+// RGB of the texture is the specular colour, sRGB, and alpha times the factor the glossiness, linear.
+TEST(SceneMaterial, SpecularGlossinessTexturesAreSplit) {
+  Gltf file;
+  const size_t texture = file.texture(make_png(2, 1, 4, 8, {255, 128, 0, 51, 0, 0, 0, 255}));
+  for (const double glossiness : {1.0, 0.5})
+    file.triangle_of(with_extension(
+        "KHR_materials_pbrSpecularGlossiness",
+        {{"specularGlossinessTexture", {{"index", texture}}}, {"glossinessFactor", glossiness}}));
+  const Scene scene = file.load();
+  ASSERT_EQ(scene.texels.size(), 12u);  // one colour, two roughnesses of two texels
+  for (const size_t i : {0u, 1u}) {
+    const interface::Material& material = scene.materials[i];
+    const double factor = i == 0 ? 1 : 0.5;
+    EXPECT_EQ(material.roughness, 1.0f);
+    const auto roughness = [&](int64_t x) {
+      return texel(scene, scene.textures[material.metallic_roughness_texture], x, 0).g;
+    };
+    EXPECT_NEAR(roughness(0), 1 - factor * 0.2, HALF_ERROR);
+    EXPECT_NEAR(roughness(1), 1 - factor, HALF_ERROR);
+    const glm::vec4 color = texel(scene, scene.textures[material.specular_color_texture], 0, 0);
+    EXPECT_EQ(color.r, 1.0f);
+    EXPECT_NEAR(color.g, std::pow((128 / 255.0 + 0.055) / 1.055, 2.4), 0.22 * 2 * HALF_ERROR);
+    EXPECT_EQ(color.b, 0.0f);
+  }
+}
+
+// Two primitives: the first has a material of its own in both variants, the second only in the second one.
+TEST(SceneMaterial, VariantsChooseMaterialsByName) {
+  Gltf file;
+  file.root["extensionsUsed"] = file.root["extensionsRequired"] = {"KHR_materials_variants"};
+  file.root["extensions"]["KHR_materials_variants"]["variants"] = {{{"name", "red"}}, {{"name", "blue"}}};
+  for (int i = 0; i < 4; ++i) file.root["materials"].push_back(json::object());
+  const auto mapped = [](size_t material, const json& mappings) {
+    return json{{"material", material},
+                {"extensions", {{"KHR_materials_variants", {{"mappings", mappings}}}}}};
+  };
+  file.triangle(mapped(0, {{{"material", 1}, {"variants", {0}}}, {{"material", 2}, {"variants", {1}}}}));
+  file.triangle(mapped(0, {{{"material", 3}, {"variants", {1}}}}));
+  const auto materials_of = [&](const std::string& variant) {
+    LoadOptions options;
+    options.variant = variant;
+    const Scene scene = file.load(options);
+    return glm::uvec2(scene.triangles[0].material, scene.triangles[1].material);
+  };
+  EXPECT_EQ(materials_of(""), glm::uvec2(0, 0));
+  EXPECT_EQ(materials_of("red"), glm::uvec2(1, 0));
+  EXPECT_EQ(materials_of("blue"), glm::uvec2(2, 3));
+  EXPECT_EQ(file.load().inventory.variants, (std::vector<std::string>{"red", "blue"}));
+  EXPECT_NE(error_of([&] { materials_of("green"); }).find("\"green\", choose one of [\"red\",\"blue\"]"),
+            std::string::npos);
+  file.root["scenes"][0]["extras"]["regulus"]["variant"] = "blue";
+  EXPECT_EQ(materials_of(""), glm::uvec2(2, 3));
+  EXPECT_EQ(materials_of("red"), glm::uvec2(1, 0));
+  file.root["meshes"][0]["primitives"][0]["extensions"]["KHR_materials_variants"]["mappings"][0]["variants"] =
+      {2};
+  EXPECT_NE(load_error(file).find("variants/0 is 2, but there are 2 variants"), std::string::npos);
 }
 
 TEST(SceneMaterial, FactorsOutOfRangeAreClampedWithAWarning) {
