@@ -19,14 +19,14 @@ const Value* array_of(const tinygltf::ExtensionMap& extensions, const char* name
 
 bool holds(const Value& mapping, int variant) {
   const Value& variants = mapping.Get("variants");
-  for (size_t i = 0; i < variants.ArrayLen(); ++i)
+  for (int i = 0; i < static_cast<int>(variants.ArrayLen()); ++i)
     if (variants.Get(i).GetNumberAsInt() == variant) return true;
   return false;
 }
 
 void apply(tinygltf::Primitive& primitive, int variant) {
   const Value* mappings = array_of(primitive.extensions, "mappings");
-  for (size_t i = 0; mappings != nullptr && i < mappings->ArrayLen(); ++i) {
+  for (int i = 0; mappings != nullptr && i < static_cast<int>(mappings->ArrayLen()); ++i) {
     const Value& mapping = mappings->Get(i);
     if (!mapping.Has("material") || !holds(mapping, variant)) continue;
     primitive.material = mapping.Get("material").GetNumberAsInt();
@@ -39,7 +39,7 @@ void apply(tinygltf::Primitive& primitive, int variant) {
 std::vector<std::string> variant_names(const Document& document) {
   std::vector<std::string> names;
   const Value* variants = array_of(document.model.extensions, "variants");
-  for (size_t i = 0; variants != nullptr && i < variants->ArrayLen(); ++i) {
+  for (int i = 0; variants != nullptr && i < static_cast<int>(variants->ArrayLen()); ++i) {
     const Value& variant = variants->Get(i);
     names.push_back(variant.Has("name") ? variant.Get("name").Get<std::string>() : "");
   }
