@@ -13,7 +13,7 @@ namespace regulus::render {
 inline constexpr float DEFAULT_MERGE_RADIUS = 0.003f;
 
 /// Density to which regularization bounds a lobe where none is given, 1/sr.
-inline constexpr float DEFAULT_TAU = 20;
+inline constexpr float DEFAULT_TAU = 5;
 
 /// Techniques that need light subpaths.
 inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
