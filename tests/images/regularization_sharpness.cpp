@@ -132,8 +132,8 @@ TEST_F(Sharpness, SamplerQualityLeavesCausticsOfLightSubpathsAlone) {
 
 // A glass ball in a room under a small lamp. Renderers that raise roughness in walks and weights alike lose a
 // third of such a caustic (32.5 % by pbrt-v4's bdpt with "regularize"). The caustic is the brightest pixels
-// of one render without regularization; of their mean, by another one, what tau = 20 leaves: 0.980 and 1.012
-// with two pairs of seeds.
+// of one render without regularization; of their mean, by another one, what the default leaves. Measured with
+// four seeds: 0.975 with tau 5, 0.993 with 10, 1.001 with 20, the seeds' deviation being 0.018.
 TEST_F(Sharpness, AGlassCausticKeepsItsEnergy) {
   GltfScene scene;
   const Polygons walls = turned(box({-1, -1, -1}, {1, 1, 1}));
@@ -153,7 +153,6 @@ TEST_F(Sharpness, AGlassCausticKeepsItsEnergy) {
     settings.techniques = techniques;
     settings.regularization = regularization;
     settings.seed = seed;
-    settings.tau = 20;
     return render(prepared, settings).image;
   };
   const image::Image first = image_of(SPLATS, REGULARIZATION_NONE, 256, 1);
@@ -169,7 +168,8 @@ TEST_F(Sharpness, AGlassCausticKeepsItsEnergy) {
   const double truth = mean(image_of(SPLATS, REGULARIZATION_NONE, 512, 2));
   constexpr uint32_t DEFAULT =
       REGULARIZATION_ROUGHNESS | REGULARIZATION_DIFFUSION | REGULARIZATION_CONSISTENT;
-  const double share = mean(image_of(BPT, DEFAULT, 128, 3)) / truth;
+  const double share =
+      0.5 * (mean(image_of(BPT, DEFAULT, 128, 3)) + mean(image_of(BPT, DEFAULT, 128, 4))) / truth;
   std::printf("%.3f of the caustic's light\n", share);
   EXPECT_NEAR(share, 1, 0.05);
 }
