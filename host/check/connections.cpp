@@ -16,6 +16,7 @@
 #include "reference/estimator.hpp"
 #include "reference/light_choice.hpp"
 #include "reference/parallel.hpp"
+#include "reference/rounding.hpp"
 
 namespace regulus::check {
 
@@ -41,6 +42,9 @@ constexpr double WINDOW_ROUNDINGS = 8 * 0x1p-24;
 // than a fourth of what the device happens to have is a matter of 3e-6.
 constexpr uint32_t ROUNDING_PATTERNS = 8;
 constexpr double CONDITIONING = 4;
+// How far single precision may move the numbers that choose a light: a walk down the tree takes a decision on
+// each level with shares of a few roundings.
+constexpr double CHOICE_ROUNDINGS = 32 * reference::UNIT_ROUNDOFF;
 
 double largest(const dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -60,6 +64,7 @@ struct Item {
   uint32_t light_path;
   size_t light_edges;
   dvec3 found{0};
+  uint32_t light = INVALID_INDEX;  // that the device sampled
 };
 
 /// The same by definition. `unweighted` times `weight` is what it contributes.
@@ -87,6 +92,7 @@ class ConnectionChecker {
 
   std::vector<Tally> run() {
     Tally pairs("connection pairs", 0);
+    Tally choices("choices of a light", 0);
     std::vector<Item> hit, escaped, nee, connected, merged;
     for (uint32_t i = 0; i < recording_.bounces.size(); ++i) {
       const RecordedConnections& bounce = recording_.bounces[i];
@@ -102,12 +108,11 @@ class ConnectionChecker {
           merged.push_back({TECHNIQUE_MERGE, slot, i + 1, 0, 0, sum});
       }
       for (const VisibilityCandidate& candidate : bounce.light_samples)
-        if (is_same_walk(bounce, candidate.path, i))
-          nee.push_back({TECHNIQUE_NEE, candidate.path, i + 1, 0, 0, dvec3(candidate.contribution)});
+        if (is_same_walk(bounce, candidate.path, i)) nee.push_back(light_sample_item(candidate, i, choices));
       gather_connections(bounce, i, connected);
     }
     Tally weights(WEIGHTS, WEIGHT_BOUND, ALLOWED);
-    std::vector<Tally> tallies{check_walks(), pairs};
+    std::vector<Tally> tallies{check_walks(), pairs, choices};
     tallies.push_back(judge("hit", hit, weights));
     if (!escaped.empty()) tallies.push_back(judge("escape", escaped, weights));
     tallies.push_back(judge("light samples", nee, weights));
@@ -248,6 +253,46 @@ class ConnectionChecker {
     }
   }
 
+  // ---- which light is sampled
+
+  glm::dvec4 light_numbers(uint32_t pixel, size_t bounce) const {
+    const auto block = static_cast<uint32_t>(bounce) * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_LIGHT;
+    return random_block(settings_, pixel, sample_, DIMENSION_BLOCKS_FIRST + block);
+  }
+
+  /// The light sample that became a candidate. Which light it is, shows where its segment leads: of the one
+  /// that the numbers choose, or those that numbers moved by rounding do (a tie), the nearest.
+  Item light_sample_item(const VisibilityCandidate& candidate, uint32_t bounce, Tally& choices) const {
+    const uint32_t pixel = candidate.path;
+    const glm::dvec4 u = light_numbers(pixel, bounce);
+    const reference::WalkVertex& vertex = iterations_.front().camera[pixel].vertices[bounce];
+    const reference::Receiver receiver = receiver_at(subject_.world, vertex.surface, vertex.w_back);
+    const auto distance_of = [&](uint32_t light) {
+      const reference::LightPoint point = sample_light_point(subject_.world, light, {u.z, u.w});
+      const dvec3 towards =
+          point.is_distant() ? point.direction : point.surface.position - dvec3(candidate.origin);
+      return length(normalize(towards) - dvec3(candidate.direction));
+    };
+    const std::optional<uint32_t> wanted = choose_light(subject_.world, receiver, {u.x, u.y});
+    std::optional<uint32_t> found = wanted;
+    for (const dvec2& moved : {dvec2(1, 0), dvec2(-1, 0), dvec2(0, 1), dvec2(0, -1)}) {
+      const dvec2 numbers =
+          glm::clamp(dvec2(u) + CHOICE_ROUNDINGS * moved, 0.0, 1 - reference::UNIT_ROUNDOFF);
+      const std::optional<uint32_t> other = choose_light(subject_.world, receiver, numbers);
+      if (other && (!found || distance_of(*other) < distance_of(*found))) found = other;
+    }
+    if (!found) {
+      choices.add_difference(Difference::Real);
+      choices.describe(fmt::format("pixel {}, {} edges: no light can be chosen", pixel, bounce + 1));
+    } else if (found != wanted) {
+      choices.add_difference(Difference::Tie);
+    } else {
+      choices.add_error(0);
+    }
+    return {
+        TECHNIQUE_NEE, pixel, bounce + 1, 0, 0, dvec3(candidate.contribution), found.value_or(INVALID_INDEX)};
+  }
+
   // ---- splats
 
   std::vector<Item> splats() const {
@@ -381,16 +426,11 @@ class ConnectionChecker {
 
   std::optional<reference::SampledPath> light_sample(const reference::CameraSubpath& camera,
                                                      const Item& item) const {
-    const auto bounce = static_cast<uint32_t>(item.camera_edges - 1);
-    const glm::dvec4 u =
-        random_block(settings_, item.pixel, sample_,
-                     DIMENSION_BLOCKS_FIRST + bounce * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_LIGHT);
+    if (item.light == INVALID_INDEX) return std::nullopt;
+    const glm::dvec4 u = light_numbers(item.pixel, item.camera_edges - 1);
     const reference::World& world = subject_.world;
-    const reference::WalkVertex& vertex = camera.vertices[item.camera_edges - 1];
-    const std::optional<uint32_t> light =
-        choose_light(world, receiver_at(world, vertex.surface, vertex.w_back), {u.x, u.y});
-    if (!light) return std::nullopt;
-    return connect_to_light(world, sample_light_point(world, *light, {u.z, u.w}), camera, item.camera_edges);
+    return connect_to_light(world, sample_light_point(world, item.light, {u.z, u.w}), camera,
+                            item.camera_edges);
   }
 
   Expected merges(const Iteration& iteration, const reference::CameraSubpath& camera, size_t edges) const {
