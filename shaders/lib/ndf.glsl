@@ -108,14 +108,15 @@ struct Facet {
 };
 
 // GGX visible normals by spherical caps (Dupuy and Benyoub, "Sampling Visible GGX Normals with Spherical
-// Caps", 2023), with z, sin^2 and w.h written free of cancellation.
+// Caps", 2023), with z, sin^2 = (1 - z) (1 + z) and w.h written free of cancellation.
 Facet sample_visible_ggx(vec3 w, vec2 alpha, vec2 u) {
   vec3 stretched = vec3(alpha * w.xy, max(w.z, MIN_COS));
   float stretched_length = length(stretched);
   stretched /= stretched_length;
-  float k = u.x * (1.0 + stretched.z);  // 1 - z of the cap point
-  vec3 half_vector = vec3(safe_sqrt(k * (2.0 - k)) * cos_sin_turns(u.y) + stretched.xy,
-                          (1.0 - u.x) * (1.0 + stretched.z));
+  float height = 1.0 + stretched.z;  // of the cap; its point has 1 - z = u.x * height
+  float z = (1.0 - u.x) * height;    // of half_vector; the point's 1 + z is this and 1 - stretched.z
+  float squared_sine = u.x * height * (dot(stretched.xy, stretched.xy) / height + z);
+  vec3 half_vector = vec3(sqrt(squared_sine) * cos_sin_turns(u.y) + stretched.xy, z);
   vec3 unstretched = vec3(alpha * half_vector.xy, half_vector.z);
   float inverse_length = inversesqrt(dot(unstretched, unstretched));
   Facet facet;
