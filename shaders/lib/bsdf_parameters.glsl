@@ -43,8 +43,8 @@ struct Bsdf {
   float excess;          // eta^2 - 1
   float inverse_eta_squared;
   float inverse_eta;
-  float f0_exact;        // exact reflectance at normal incidence
-  float inverse_t0;      // 1 / (1 - f0_exact)
+  float fresnel_skew;    // of fresnel_dielectric_position, as is
+  float inverse_t0;      // one over the exact transmittance at normal incidence
   float min_position;    // lowest Fresnel position that keeps F_d >= 0
   // Luminances as linear functions of position s and Schlick weight k: diffuse d.x + (1 - s) d.y,
   // reflected r.x + k r.y + s r.z, transmitted t.x + (1 - s) t.y.
@@ -64,8 +64,7 @@ struct Bsdf {
 // Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
 // F_d = f0 + s (f90 - f0).
 vec2 fresnel_position(Bsdf bsdf, float c, float g, float excess) {
-  vec2 exact = fresnel_dielectric(max(c, MIN_COS), g, excess);
-  vec2 position = vec2(exact.x - bsdf.f0_exact, exact.y) * bsdf.inverse_t0;
+  vec2 position = fresnel_dielectric_position(max(c, MIN_COS), g, excess, bsdf.fresnel_skew, bsdf.inverse_t0);
   return vec2(max(position.x, bsdf.min_position), min(position.y, 1.0 - bsdf.min_position));
 }
 
@@ -189,9 +188,9 @@ Bsdf make_bsdf(Material material, bool is_front) {
   bsdf.inverse_eta_squared = square(bsdf.inverse_eta);
 
   float x = (ior - 1.0) / (ior + 1.0);
-  bsdf.f0_exact = x * x;
+  bsdf.fresnel_skew = 1.0 + (ior + 1.0 / ior) - 0.5 * (square(ior) + 1.0 / square(ior));
   bsdf.inverse_t0 = square(ior + 1.0) / (4.0 * ior);
-  bsdf.f0 = min(bsdf.f0_exact * material.specular_color, vec3(1.0)) * material.specular;
+  bsdf.f0 = min(x * x * material.specular_color, vec3(1.0)) * material.specular;
   bsdf.f90 = material.specular;
   vec3 range = bsdf.f90 - bsdf.f0;
   float darkest = min(bsdf.f0.r, min(bsdf.f0.g, bsdf.f0.b));

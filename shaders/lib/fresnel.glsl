@@ -20,6 +20,21 @@ vec2 fresnel_dielectric(float c, float g, float excess) {
   return g > 0.0 ? vec2(min(reflected, 1.0), transmitted) : vec2(1.0, 0.0);
 }
 
+// Where F lies between that at normal incidence (0) and 1, and where 1 - F does, (s, 1 - s): F - F_0 would cancel. With
+// t = eta c, (c + g) b = eta^2 c + g and skew = (-eta^4 + 2 eta^3 + 2 eta^2 + 2 eta - 1) / (2 eta^2), the same for 1 / eta:
+//   s = (excess sin^2 / ((c + g)^2 b (g + t)))^2 (g^2 + skew g t + t^2)
+// inverse_t0 = 1 / (1 - F_0).
+vec2 fresnel_dielectric_position(float c, float g, float excess, float skew, float inverse_t0) {
+  float sum_squared = square(c + g);
+  float sin_squared = (1.0 - c) * (1.0 + c);
+  float b = c * g + sin_squared;
+  float t = sqrt(1.0 + excess) * c;
+  float inverse = 1.0 / (sum_squared * b * (g + t));
+  float reflected = square(excess * sin_squared * inverse) * (g * g + t * (skew * g + t));
+  float transmitted = 2.0 * c * g * (square(b) + excess + 1.0) * (sum_squared * square((g + t) * inverse));
+  return g > 0.0 ? vec2(min(reflected, 1.0), transmitted * inverse_t0) : vec2(1.0, 0.0);
+}
+
 // g of fresnel_dielectric for a cosine on the incident side.
 float refracted_g(float c, float excess) { return safe_sqrt(c * c + excess); }
 
