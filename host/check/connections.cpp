@@ -45,6 +45,9 @@ constexpr double CONDITIONING = 4;
 // How far single precision may move the numbers that choose a light: a walk down the tree takes a decision on
 // each level with shares of a few roundings.
 constexpr double CHOICE_ROUNDINGS = 32 * reference::UNIT_ROUNDOFF;
+// A segment leads to a point if it passes it this near, relative to its length and to the size of the scene.
+constexpr double SEGMENT_ANGLE = 1e-3;
+constexpr double SEGMENT_OFFSET = 1e-5;
 
 double largest(const dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -267,11 +270,15 @@ class ConnectionChecker {
     const glm::dvec4 u = light_numbers(pixel, bounce);
     const reference::WalkVertex& vertex = iterations_.front().camera[pixel].vertices[bounce];
     const reference::Receiver receiver = receiver_at(subject_.world, vertex.surface, vertex.w_back);
-    const auto distance_of = [&](uint32_t light) {
+    // How far the segment passes by the light's point, over what its offsets and single precision may do.
+    const auto miss_of = [&](uint32_t light) {
       const reference::LightPoint point = sample_light_point(subject_.world, light, {u.z, u.w});
-      const dvec3 towards =
-          point.is_distant() ? point.direction : point.surface.position - dvec3(candidate.origin);
-      return length(normalize(towards) - dvec3(candidate.direction));
+      const dvec3 direction(candidate.direction);
+      if (point.is_distant()) return length(point.direction - direction) / SEGMENT_ANGLE;
+      const dvec3 towards = point.surface.position - dvec3(candidate.origin);
+      const double off_surface = point.is_triangle() ? clearance(subject_.world, point.surface) : 0;
+      return length(towards - length(towards) * direction) /
+             (SEGMENT_ANGLE * length(towards) + SEGMENT_OFFSET * subject_.world.radius() + off_surface);
     };
     const std::optional<uint32_t> wanted = choose_light(subject_.world, receiver, {u.x, u.y});
     std::optional<uint32_t> found = wanted;
@@ -279,11 +286,12 @@ class ConnectionChecker {
       const dvec2 numbers =
           glm::clamp(dvec2(u) + CHOICE_ROUNDINGS * moved, 0.0, 1 - reference::UNIT_ROUNDOFF);
       const std::optional<uint32_t> other = choose_light(subject_.world, receiver, numbers);
-      if (other && (!found || distance_of(*other) < distance_of(*found))) found = other;
+      if (other && (!found || miss_of(*other) < miss_of(*found))) found = other;
     }
-    if (!found) {
+    if (!found || miss_of(*found) > 1) {
       choices.add_difference(Difference::Real);
-      choices.describe(fmt::format("pixel {}, {} edges: no light can be chosen", pixel, bounce + 1));
+      choices.describe(
+          fmt::format("pixel {}, {} edges: no light that can be chosen lies there", pixel, bounce + 1));
     } else if (found != wanted) {
       choices.add_difference(Difference::Tie);
     } else {

@@ -30,6 +30,13 @@ std::vector<Image> device_images(gpu::Device& device, const Subject& subject, re
   return images;
 }
 
+double mean_there(const std::vector<Image>& images, uint32_t tile, const image::TileTest& test) {
+  double sum = 0;
+  for (const Image& image : images)
+    sum += image::tile_mean(image, test.worst_x, test.worst_y, tile, test.worst_channel);
+  return sum / static_cast<double>(images.size());
+}
+
 std::vector<Image> reference_images(const Subject& subject, uint32_t count) {
   reference::Settings settings = subject.reference_settings;
   settings.seed += OTHER_SEEDS;
@@ -68,9 +75,11 @@ std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subj
     options.relative_tolerance = tolerance;
     const image::TileTest test = image::test_equal(first, second, options);
     std::string line = fmt::format(
-        "{:<14} smallest p {:.2g} of {} tests, bound {:.2g}; there {:+.3g} with a standard error of {:.2g}  "
+        "{:<14} smallest p {:.2g} of {} tests, bound {:.2g}; there {:.4g} and {:.4g}: {:+.2g} with a "
+        "standard error of {:.2g}  "
         "{}",
-        name, test.worst_p, test.tests, test.bound, test.worst_difference, test.worst_error,
+        name, test.worst_p, test.tests, test.bound, mean_there(first, tile, test),
+        mean_there(second, tile, test), test.worst_difference, test.worst_error,
         test.is_passed() ? "ok" : "MISMATCH");
     if (!test.is_passed())
       line += fmt::format("\n    at ({}, {}), channel {}", tile * test.worst_x, tile * test.worst_y,

@@ -328,6 +328,7 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
          for (auto& hit : r.bounces[1].hits) hit.u *= 0.9F;
        }},
       {"connection pairs", [](auto& r) { r.bounces[0].pairs.pop_back(); }},
+      {"choices of a light", [](auto& r) { r.bounces[0].light_samples[3].direction.x += 0.01F; }},
       {"hit",
        [](auto& r) {
          for (auto& met : r.bounces[1].met) met *= 1.0003F;
