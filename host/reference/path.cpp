@@ -105,7 +105,9 @@ ConnectedScattering connected_at(const Path& path, size_t i) {
   const VertexScattering& vertex = path.vertices[i];
   bool is_diffused = false;
   for (size_t j = i + 1; j < path.length(); ++j) is_diffused = is_diffused || path.vertices[j].diffuses;
-  if ((is_diffused || vertex.is_always_raised) && vertex.raised) return *vertex.raised;
+  const bool has_extent = can_be_hit(path.light.kind);
+  const bool is_raised = is_diffused || (vertex.is_always_raised && (has_extent || !vertex.has_bundle));
+  if (is_raised && vertex.raised) return *vertex.raised;
   return {vertex.is_delta ? dvec3(0) : vertex.value, vertex.forward, vertex.reverse, !vertex.is_delta,
           vertex.is_delta ? 0.0 : 1.0};
 }
@@ -147,6 +149,7 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, co
   VertexScattering result;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
+  result.has_bundle = regularization.has_bundle;
   if (!sides_agree(surface, w_light)) return result;
   const dvec3 local_light = to_material(surface, w_light);
   const dvec3 local_camera = to_material(surface, as_seen(surface, w_camera));
@@ -178,6 +181,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
   result.is_delta = true;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
+  result.has_bundle = regularization.has_bundle;
   result.raised = raised_between(surface, bsdf, w_light, w_camera, &sample, regularization);
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, to_material(surface, as_seen(surface, w_camera)),

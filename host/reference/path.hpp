@@ -37,7 +37,8 @@ struct VertexScattering {
   double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
   bool is_delta = false;
   bool diffuses = false;          ///< see diffuses(): what is before this vertex is regularized
-  bool is_always_raised = false;  ///< without path diffusion
+  bool is_always_raised = false;  ///< without path diffusion, or by what the camera path's own bundle is
+  bool has_bundle = false;        ///< the latter: lights without extent still need a vertex that diffuses
   double bound = 0;               ///< estimator_bound(), if wanted
   /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
   /// are finite there, its delta being shared by all that can find the path.

@@ -14,6 +14,7 @@ namespace regulus::reference {
 struct Regularization {
   bool is_on = false;
   bool has_diffusion = true;  ///< only what lies behind a surface that diffuses is regularized
+  bool has_bundle = false;    ///< tau is that of a camera path's bundle, in path tracing with diffusion
   double tau = 100;           ///< bound on a lobe's density, 1/sr
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;

@@ -175,6 +175,7 @@ Regularization regularization_at(const Settings& settings, uint32_t sample, cons
   if (!regularization.has_diffusion || (settings.techniques & ~PATH_TRACING) != 0) return regularization;
   const double sigma = diffusion(footprint);
   regularization.has_diffusion = false;  // no levels: the vertex's own tau says it all
+  regularization.has_bundle = true;
   regularization.tau /= std::max(sigma, MIN_DIFFUSION);
   if (sigma <= MIN_DIFFUSION) regularization.is_on = false;
   return regularization;

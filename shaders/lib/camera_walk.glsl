@@ -65,6 +65,9 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
   vec3 wi = to_local(point, light.wi);
   if (!sides_agree(point, light.wi, wi)) return;
+  // Lights without extent are not seen in mirrors or through clear glass. However narrow, a bundle of camera paths would
+  // show them there, as glints of all their light in a pixel.
+  if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
   Weighted measured = light_connection(frame, point, path, vertex, history, regularization, counts, light, wi);
   vec3 factor = path.throughput * light.radiance / light.pdf *
                 transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);

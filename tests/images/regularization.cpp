@@ -116,6 +116,21 @@ TEST_F(Regularization, InfiniteTauChangesNoBit) {
   }
 }
 
+// A point light is not seen in a mirror that the camera sees, nor by path diffusion, for which the bundle of
+// a pixel's paths is narrow but has a width: all of the light would be in one pixel.
+TEST_F(Regularization, PointLightsAreNotSeenInMirrors) {
+  GltfScene scene;
+  scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, metal({1, 1, 1}, 0));
+  scene.add_point_light({0.1, 0.2, 1}, {10, 10, 10});
+  scene.set_perspective(look_at({0, 0, 2}, {0, 0, 0}), 0.8);
+  const PreparedScene prepared = prepare(scene);
+  RenderSettings settings = regularized(box_filtered(16, 16, 16, 3), MIS_BLENDED, 5);
+  settings.techniques = PT;
+  EXPECT_EQ(mean_of(render(prepared, settings).image)[0], 0);
+  settings.regularization = REGULARIZATION_ROUGHNESS;
+  EXPECT_GT(mean_of(render(prepared, settings).image)[0], 0) << "without path diffusion they are";
+}
+
 // Diffuse surfaces have nothing to raise: the same image whatever tau, up to the rounding of other code.
 TEST_F(Regularization, LeavesDiffuseSurfacesAlone) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
