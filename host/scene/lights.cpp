@@ -105,6 +105,7 @@ void build_lights(Scene& scene) {
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   for (const interface::Light& light : scene.lights)
     if (is_punctual(light)) list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
+  bool has_lamps = !list.is_empty();
   TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];
@@ -113,9 +114,15 @@ void build_lights(Scene& scene) {
     const double area = triangle_area(scene, triangle);
     const double power = triangle_power(triangle, area);
     triangle.light = list.add(triangle_light(scene, i, area), power, triangle_bounds(scene, triangle, power));
+    has_lamps |= triangle.light != interface::INVALID_INDEX &&
+                 scene.materials[triangle.material].emissive_texture == interface::INVALID_INDEX;
   }
-  if (list.is_empty() && !scene.environment) {
-    scene.warnings.emplace_back("the scene has no light: a dim uniform environment lights it");
+  // Textures that glow are the displays and signs of a model; its file leaves the light to the viewer.
+  if (!has_lamps && !scene.environment) {
+    scene.warnings.emplace_back(
+        list.is_empty()
+            ? "the scene has no light: a dim uniform environment lights it"
+            : "only textures emit light here: a dim uniform environment lights the scene as well");
     scene.environment = uniform_environment(glm::vec3(DIM_RADIANCE));
   }
   uint32_t environment = interface::INVALID_INDEX;

@@ -111,7 +111,8 @@ void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 
 /// Appends a light per emissive triangle and the environment to the punctual lights, fills selection
 /// probabilities in proportion to power, the alias table, the light tree, and Triangle::light. A scene
-/// without any light and without an environment gets a dim uniform one, with a warning.
+/// without an environment and without any light but textures that emit gets a dim uniform one, with a
+/// warning.
 void build_lights(Scene& scene);
 
 /// The camera for a film of width x height pixels. The vertical field of view is kept; a film wider or

@@ -174,8 +174,9 @@ TEST(SceneLights, TexturedEmissionIsAveraged) {
   const std::vector<float> lit = {0, 0, 1, 0, 0, 0.5f}, dark = {0.1f, 0.9f, 0.2f, 0.9f, 0.1f, 0.95f};
   file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(lit, "VEC2", FLOAT);
   file.root["meshes"][1]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(dark, "VEC2", FLOAT);
+  file.light({{"type", "point"}});
   Scene scene = load_with_lights(file);
-  ASSERT_EQ(scene.lights.size(), 1u);
+  ASSERT_EQ(scene.lights.size(), 2u);
   EXPECT_EQ(scene.triangles[1].light, interface::INVALID_INDEX);
   // Mean radiance 4 * 1/2 over area 1/2. Bilinear interpolation makes the checker 1/2 + (1 - 2 a)(1 - 2 b) /
   // 2, of deviation 1/6: 5 deviations of the mean of 64 independent samples, which even ones stay well
@@ -195,7 +196,30 @@ TEST(SceneLights, ATinyBrightSpotKeepsItsTriangleSelectable) {
   material["emissiveTexture"] = {{"index", texture}};
   file.triangle_of(material);
   const Scene scene = load_with_lights(file);
+  EXPECT_NE(scene.triangles[0].light, interface::INVALID_INDEX);
+}
+
+// A model whose displays glow is shown by the light of the viewer, as its file expects; a lamp or an
+// environment, though black, is light that the file speaks of.
+TEST(SceneLights, GlowingTexturesAloneDoNotLightAScene) {
+  Gltf file;
+  json material = emitter(1);
+  material["emissiveTexture"] = {{"index", file.texture(make_png(1, 1, 3, 8, {255, 255, 255}))}};
+  file.triangle_of(material);
+  Scene scene = load_with_lights(file);
+  ASSERT_EQ(scene.lights.size(), 2u);
+  EXPECT_EQ(scene.environment->parameters.radiance, glm::vec3(DIM_RADIANCE));
+  EXPECT_TRUE(has_warning(scene, "only textures"));
+  build_lights(scene);
+  EXPECT_EQ(scene.lights.size(), 2u) << "building twice gives the same";
+
+  scene.environment = uniform_environment(glm::vec3(0));
+  build_lights(scene);
   EXPECT_EQ(scene.lights.size(), 1u);
+  scene.environment.reset();
+  scene.materials[0].emissive_texture = interface::INVALID_INDEX;
+  build_lights(scene);
+  EXPECT_EQ(scene.lights.size(), 1u) << "without a texture it is a lamp";
 }
 
 // The lights below each child of a pair, by walking down; checks depth and trails on the way.
