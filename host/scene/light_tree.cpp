@@ -360,8 +360,8 @@ LightTree build_light_tree(const std::vector<TreeLight>& lights) {
 }
 
 uint32_t resolve_light_sampling(uint32_t asked, size_t lights) {
-  // Measured (README.md): from two lamps on the walk is repaid by its lower noise; the two triangles of one lamp
-  // it only makes dearer.
+  // Measured (README.md): from two lamps on the walk is repaid by its lower noise; the two triangles of one
+  // lamp it only makes dearer.
   constexpr size_t MANY_LIGHTS = 4;
   if (lights < 2) return interface::LIGHT_SAMPLING_POWER;
   if (asked != interface::LIGHT_SAMPLING_AUTO) return asked;
