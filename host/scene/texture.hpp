@@ -21,7 +21,10 @@ struct TextureContent {
   /// 1 - glossiness in G, the rest 0.
   std::optional<double> glossiness{};
 
-  auto operator<=>(const TextureContent&) const = default;
+  /// An order, for maps.
+  bool operator<(const TextureContent& other) const {
+    return std::tie(is_srgb, glossiness) < std::tie(other.is_srgb, other.glossiness);
+  }
 
   static const TextureContent Color, Data;
 };
