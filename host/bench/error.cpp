@@ -16,6 +16,7 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
+// The pixels of a part of the film; of all of it if the part has none.
 image::Image part_of(const image::Image& image, const render::Window& part) {
   if (part.pixels() == 0) return image;
   image::Image cut{part.width, part.height, {}};

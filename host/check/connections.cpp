@@ -12,11 +12,11 @@
 #include <vector>
 
 #include "check/check.hpp"
+#include "check/sampled_light.hpp"
 #include "check/sorting.hpp"
 #include "reference/estimator.hpp"
 #include "reference/light_choice.hpp"
 #include "reference/parallel.hpp"
-#include "reference/rounding.hpp"
 
 namespace regulus::check {
 
@@ -42,12 +42,6 @@ constexpr double WINDOW_ROUNDINGS = 8 * 0x1p-24;
 // than a fourth of what the device happens to have is a matter of 3e-6.
 constexpr uint32_t ROUNDING_PATTERNS = 8;
 constexpr double CONDITIONING = 4;
-// How far single precision may move the numbers that choose a light: a walk down the tree takes a decision on
-// each level with shares of a few roundings.
-constexpr double CHOICE_ROUNDINGS = 32 * reference::UNIT_ROUNDOFF;
-// A segment leads to a point if it passes it this near, relative to its length and to the size of the scene.
-constexpr double SEGMENT_ANGLE = 1e-3;
-constexpr double SEGMENT_OFFSET = 1e-5;
 
 double largest(const dvec3& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -263,42 +257,26 @@ class ConnectionChecker {
     return random_block(settings_, pixel, sample_, DIMENSION_BLOCKS_FIRST + block);
   }
 
-  /// The light sample that became a candidate. Which light it is, shows where its segment leads: of the one
-  /// that the numbers choose, or those that numbers moved by rounding do (a tie), the nearest.
+  /// The light sample that became a candidate, of the light that the device chose.
   Item light_sample_item(const VisibilityCandidate& candidate, uint32_t bounce, Tally& choices) const {
     const uint32_t pixel = candidate.path;
-    const glm::dvec4 u = light_numbers(pixel, bounce);
     const reference::WalkVertex& vertex = iterations_.front().camera[pixel].vertices[bounce];
-    const reference::Receiver receiver = receiver_at(subject_.world, vertex.surface, vertex.w_back);
-    // How far the segment passes by the light's point, over what its offsets and single precision may do.
-    const auto miss_of = [&](uint32_t light) {
-      const reference::LightPoint point = sample_light_point(subject_.world, light, {u.z, u.w});
-      const dvec3 direction(candidate.direction);
-      if (point.is_distant()) return length(point.direction - direction) / SEGMENT_ANGLE;
-      const dvec3 towards = point.surface.position - dvec3(candidate.origin);
-      const double off_surface = point.is_triangle() ? clearance(subject_.world, point.surface) : 0;
-      return length(towards - length(towards) * direction) /
-             (SEGMENT_ANGLE * length(towards) + SEGMENT_OFFSET * subject_.world.radius() + off_surface);
-    };
-    const std::optional<uint32_t> wanted = choose_light(subject_.world, receiver, {u.x, u.y});
-    std::optional<uint32_t> found = wanted;
-    for (const dvec2& moved : {dvec2(1, 0), dvec2(-1, 0), dvec2(0, 1), dvec2(0, -1)}) {
-      const dvec2 numbers =
-          glm::clamp(dvec2(u) + CHOICE_ROUNDINGS * moved, 0.0, 1 - reference::UNIT_ROUNDOFF);
-      const std::optional<uint32_t> other = choose_light(subject_.world, receiver, numbers);
-      if (other && (!found || miss_of(*other) < miss_of(*found))) found = other;
+    const SampledLight sampled =
+        sampled_light(subject_.world, receiver_at(subject_.world, vertex.surface, vertex.w_back),
+                      light_numbers(pixel, bounce), candidate);
+    switch (sampled.choice) {
+      case LightChoice::Same:
+        choices.add_error(0);
+        break;
+      case LightChoice::Tie:
+        choices.add_difference(Difference::Tie);
+        break;
+      case LightChoice::Unexplained:
+        choices.add_difference(Difference::Real);
+        choices.describe(
+            fmt::format("pixel {}, {} edges: no light that can be chosen lies there", pixel, bounce + 1));
     }
-    if (!found || miss_of(*found) > 1) {
-      choices.add_difference(Difference::Real);
-      choices.describe(
-          fmt::format("pixel {}, {} edges: no light that can be chosen lies there", pixel, bounce + 1));
-    } else if (found != wanted) {
-      choices.add_difference(Difference::Tie);
-    } else {
-      choices.add_error(0);
-    }
-    return {
-        TECHNIQUE_NEE, pixel, bounce + 1, 0, 0, dvec3(candidate.contribution), found.value_or(INVALID_INDEX)};
+    return {TECHNIQUE_NEE, pixel, bounce + 1, 0, 0, dvec3(candidate.contribution), sampled.light};
   }
 
   // ---- splats

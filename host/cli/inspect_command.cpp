@@ -142,9 +142,9 @@ Json regularization_json(const scene::Features& features, const render::RenderSe
 }
 
 Json inspect(const InspectOptions& options) {
-  scene::Scene scene =
-      scene::load(options.scene_file,
-                  {options.scene_index, options.allow_external, {}, scene::SHARING_GAIN, options.variant});
+  scene::Scene scene = scene::load(
+      options.scene_file,
+      {.scene = options.scene_index, .allow_external = options.allow_external, .variant = options.variant});
   const render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const scene::Features features = scene::find_features(scene);

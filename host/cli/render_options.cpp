@@ -368,11 +368,10 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
 }
 
 scene::LoadOptions load_options(const RenderOptions& options) {
-  return {options.scene_index,
-          options.allow_external,
-          {options.environment, options.environment_rotation, options.environment_scale},
-          scene::SHARING_GAIN,
-          options.variant};
+  return {.scene = options.scene_index,
+          .allow_external = options.allow_external,
+          .environment = {options.environment, options.environment_rotation, options.environment_scale},
+          .variant = options.variant};
 }
 
 void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
