@@ -18,6 +18,7 @@
 #include "base/error.hpp"
 #include "image/atomic_file.hpp"
 #include "image/image.hpp"
+#include "image/pixel_limit.hpp"
 
 namespace regulus::image {
 namespace {
@@ -156,7 +157,7 @@ void limit_image_size() {
 }
 
 Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t file_bytes,
-                  Attributes* attributes) {
+                  Attributes* attributes, const uint64_t max_pixels = UINT64_MAX) {
   const Imf::Header& header = file.header();
   check_window(path, header, file_bytes);
   const Imath::Box2i& window = header.dataWindow();
@@ -165,6 +166,7 @@ Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t fil
   Image image;
   image.width = static_cast<uint32_t>(window.max.x - window.min.x + 1);
   image.height = static_cast<uint32_t>(window.max.y - window.min.y + 1);
+  require_pixels(path.string(), image.width, image.height, max_pixels);
   image.rgb.resize(size_t{3} * image.width * image.height);
   Imf::FrameBuffer pixels;
   for (size_t component = 0; component < 3; ++component)
@@ -256,13 +258,14 @@ ExrContents read_exr_contents(const fs::path& path) {
   });
 }
 
-Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes) {
+Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes,
+                 const uint64_t max_pixels) {
   try {
     limit_image_size();
     Imf::StdISStream stream;
     stream.str(std::string(bytes.begin(), bytes.end()));
     Imf::InputFile file(stream);
-    return read_pixels(name, file, bytes.size(), nullptr);
+    return read_pixels(name, file, bytes.size(), nullptr, max_pixels);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {

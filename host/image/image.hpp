@@ -53,8 +53,19 @@ ExrContents read_exr_contents(const std::filesystem::path& path);
 /// the file.
 Image read_exr(const std::filesystem::path& path, Attributes* attributes = nullptr);
 
-/// The same of a file's bytes; `name` stands for it in errors.
-Image decode_exr(const std::string& name, std::span<const unsigned char> bytes);
+/// The same of a file's bytes; `name` stands for it in errors. More than `max_pixels` are refused before
+/// memory is taken for them.
+Image decode_exr(const std::string& name, std::span<const unsigned char> bytes,
+                 uint64_t max_pixels = UINT64_MAX);
+
+/// Whether the bytes begin as a Radiance picture (.hdr, .pic) does.
+bool is_radiance(std::span<const unsigned char> bytes);
+
+/// A Radiance picture of format 32-bit_rle_rgbe, rows from the top (-Y +X); exposures in its header are
+/// ignored. More than `max_pixels` are refused before memory is taken for them.
+/// @throws regulus::Error (BadFile) naming `name`.
+Image decode_radiance(const std::string& name, std::span<const unsigned char> bytes,
+                      uint64_t max_pixels = UINT64_MAX);
 
 /// Linear Rec. 709 to linear [0, 1] by the shoulder of Khronos' PBR Neutral tone mapper (2024): colours up to
 /// 0.8 pass unchanged, brighter ones are compressed and turn white. Its toe, which takes the smallest channel

@@ -1,11 +1,9 @@
 #include "scene/environment_file.hpp"
 
 #include <fmt/core.h>
-#include <stb_image.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "image/image.hpp"
 
@@ -20,8 +18,6 @@ constexpr uint64_t MAX_TEXELS = uint64_t{1} << 26;  // 1 GiB with their distribu
 // multiplies it.
 constexpr double MAX_RADIANCE = 1e10;
 constexpr double LARGEST_HALF = 65504;  // what a file of half floats shows as infinite was a little more
-// Run-length coding of Radiance files: four bytes a pixel, two bytes for at most 127 equal ones.
-constexpr uint64_t MAX_RADIANCE_PIXELS_PER_BYTE = 127 / 8 + 1;
 
 /// Member `name` of extras as a number; `otherwise` if there is none.
 double number_of(const Document& document, const json& extras, const char* name, double otherwise) {
@@ -45,27 +41,6 @@ glm::vec3 color_of(const Document& document, const json& color, double scale) {
     document.fail(fmt::format("{}.color is not [r, g, b] with radiances from 0 to {:g}; correct it", ELEMENT,
                               MAX_RADIANCE));
   return radiance;
-}
-
-/// A Radiance file (.hdr) as RGB floats.
-image::Image decode_radiance(const Document& document, const Bytes& bytes, const std::string& name) {
-  int width = 0, height = 0, channels = 0;
-  const int size = static_cast<int>(bytes.size());
-  if (stbi_info_from_memory(bytes.data(), size, &width, &height, &channels) == 0 || width < 1 || height < 1 ||
-      static_cast<uint64_t>(width) * static_cast<uint64_t>(height) >
-          bytes.size() * MAX_RADIANCE_PIXELS_PER_BYTE)
-    document.fail(fmt::format("{}: the Radiance file is cut off or corrupt; write it again", name));
-  const std::unique_ptr<float, void (*)(void*)> pixels(
-      stbi_loadf_from_memory(bytes.data(), size, &width, &height, &channels, 3), &stbi_image_free);
-  if (!pixels) document.fail(fmt::format("{}: cannot be decoded ({})", name, stbi_failure_reason()));
-  const size_t values = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
-  return {static_cast<uint32_t>(width), static_cast<uint32_t>(height), {pixels.get(), pixels.get() + values}};
-}
-
-image::Image decode(const Document& document, const Bytes& bytes, const std::string& name) {
-  const bool is_hdr = bytes.size() <= 0x7FFFFFFFu &&
-                      stbi_is_hdr_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
-  return is_hdr ? decode_radiance(document, bytes, name) : image::decode_exr(name, bytes);
 }
 
 /// The radiance that a value stands for; counts the values that are none.
@@ -93,10 +68,8 @@ std::vector<glm::vec3> radiances_of(Document& document, const image::Image& imag
 
 Environment read_map(Document& document, const Bytes& bytes, const std::string& name, double rotation,
                      double scale) {
-  const image::Image image = decode(document, bytes, name);
-  if (uint64_t{image.width} * image.height > MAX_TEXELS)
-    document.fail(fmt::format("{}: {} x {} texels are more than {}; scale it down", name, image.width,
-                              image.height, MAX_TEXELS));
+  const image::Image image = image::is_radiance(bytes) ? image::decode_radiance(name, bytes, MAX_TEXELS)
+                                                       : image::decode_exr(name, bytes, MAX_TEXELS);
   Environment environment =
       map_environment(radiances_of(document, image, scale, name), image.width, rotation / 360);
   if (!(environment.integral > 0)) document.warn(name + ": the environment is black");

@@ -1,68 +1,18 @@
 #include "scene/texture.hpp"
 
 #include <fmt/core.h>
-#include <stb_image.h>
-#include <webp/decode.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/gtc/packing.hpp>
-#include <memory>
 #include <vector>
+
+#include "scene/image_decoder.hpp"
 
 namespace regulus::scene {
 namespace {
 
-constexpr int MAX_SIDE = 32768;
-constexpr uint64_t MAX_TEXELS = uint64_t{1} << 28;           // of one image
 constexpr uint64_t MAX_TEXELS_OF_SCENE = uint64_t{1} << 31;  // the kernels' word index is 32 bits
-// No deflate stream or JPEG scan expands beyond this many pixels per byte: header lies are found before
-// memory is taken. (Deflate: 1032 bytes per byte, at least 1 bit per pixel; JPEG: 64 pixels of a block in
-// some bits.)
-constexpr uint64_t MAX_PIXELS_PER_BYTE = 1032 * 8;
-
-// Of WebP there is no such bound (one colour costs no bits): images up to this size are believed.
-constexpr uint64_t MAX_UNCHECKED_TEXELS = uint64_t{1} << 24;
-
-/// RGBA codes of 8 or 16 bits with the function that frees them.
-using Pixels = std::unique_ptr<void, void (*)(void*)>;
-
-bool is_png(const Bytes& bytes) {
-  constexpr unsigned char magic[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
-  return bytes.size() > 8 && std::memcmp(bytes.data(), magic, 8) == 0;
-}
-
-bool is_jpeg(const Bytes& bytes) {
-  return bytes.size() > 3 && bytes[0] == 0xFF && bytes[1] == 0xD8 && bytes[2] == 0xFF;
-}
-
-bool is_webp(const Bytes& bytes) {
-  return bytes.size() > 12 && std::memcmp(bytes.data(), "RIFF", 4) == 0 &&
-         std::memcmp(bytes.data() + 8, "WEBP", 4) == 0;
-}
-
-/// Reads the size from the header; false if it has none.
-bool read_size(const Bytes& bytes, int& width, int& height) {
-  if (is_webp(bytes)) return WebPGetInfo(bytes.data(), bytes.size(), &width, &height) != 0;
-  int channels = 0;
-  return bytes.size() <= 0x7FFFFFFFu &&
-         stbi_info_from_memory(bytes.data(), static_cast<int>(bytes.size()), &width, &height, &channels) != 0;
-}
-
-bool is_16_bit(const Bytes& bytes) {
-  return !is_webp(bytes) && stbi_is_16_bit_from_memory(bytes.data(), static_cast<int>(bytes.size())) != 0;
-}
-
-/// The image as RGBA; null if it cannot be decoded.
-Pixels decode(const Bytes& bytes) {
-  int width = 0, height = 0, channels = 0;
-  const int size = static_cast<int>(bytes.size());
-  if (is_webp(bytes)) return {WebPDecodeRGBA(bytes.data(), bytes.size(), &width, &height), &WebPFree};
-  if (is_16_bit(bytes))
-    return {stbi_load_16_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free};
-  return {stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), &stbi_image_free};
-}
 
 /// The image of a texture: of EXT_texture_webp, else the plain one; -1 if it has neither.
 int image_of(const tinygltf::Texture& texture) {
@@ -162,36 +112,23 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
 
   const std::string element = fmt::format("{} image {}", texture, image);
   const Bytes bytes = image_bytes(image, element);
-  if (!is_png(bytes) && !is_jpeg(bytes) && !is_webp(bytes))
-    document_.fail(element + " is neither PNG, JPEG nor WebP; convert it");
-  int width = 0, height = 0;
-  if (!read_size(bytes, width, height))
-    document_.fail(element + " has no readable header or is too large; export it again");
-  const uint64_t texels = static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
-  if (width < 1 || height < 1 || width > MAX_SIDE || height > MAX_SIDE || texels > MAX_TEXELS)
-    document_.fail(fmt::format("{} has {} x {} pixels, the limit is {} a side and {} in all; scale it down",
-                               element, width, height, MAX_SIDE, MAX_TEXELS));
-  const bool is_bounded = !is_webp(bytes) || texels > MAX_UNCHECKED_TEXELS;
-  if (is_bounded && texels > MAX_PIXELS_PER_BYTE * bytes.size())
-    document_.fail(fmt::format("{} declares {} x {} pixels in {} bytes, which cannot be; export it again",
-                               element, width, height, bytes.size()));
+  std::string reason;
+  const auto header = read_image_header(bytes, reason);
+  if (!header) document_.fail(element + " " + reason);
   const uint64_t first_texel = scene_.texels.size() / 2;
-  if (first_texel + texels >= MAX_TEXELS_OF_SCENE)
+  if (first_texel + header->pixels() >= MAX_TEXELS_OF_SCENE)
     document_.fail("more than 2^31 texels in all; scale textures down");
-
-  const Pixels pixels = decode(bytes);
-  if (!pixels)
-    document_.fail(fmt::format("{} cannot be decoded{}; export it again", element,
-                               is_webp(bytes) ? "" : fmt::format(" ({})", stbi_failure_reason())));
-  if (is_16_bit(bytes))
-    append_texels(static_cast<const uint16_t*>(pixels.get()), texels, content, scene_.texels);
+  const auto codes = decode_image(bytes, *header, reason);
+  if (!codes) document_.fail(fmt::format("{} cannot be decoded ({}); export it again", element, reason));
+  if (header->is_16_bit)
+    append_texels(reinterpret_cast<const uint16_t*>(codes->data()), header->pixels(), content, scene_.texels);
   else
-    append_texels(static_cast<const uint8_t*>(pixels.get()), texels, content, scene_.texels);
+    append_texels(reinterpret_cast<const uint8_t*>(codes->data()), header->pixels(), content, scene_.texels);
 
   interface::Texture loaded {};
   loaded.first_texel = static_cast<uint32_t>(first_texel);
-  loaded.width = static_cast<uint32_t>(width);
-  loaded.height = static_cast<uint32_t>(height);
+  loaded.width = header->width;
+  loaded.height = header->height;
   decoded_[{image, content}] = loaded;
   return loaded;
 }
