@@ -12,7 +12,7 @@ namespace {
 // An accessor without data is all zeros; more elements than this are an attack on memory, not a scene.
 constexpr uint64_t MAX_ELEMENTS_WITHOUT_DATA = uint64_t{1} << 22;
 constexpr uint64_t MAX_ELEMENTS = 0xFFFFFFFEu;
-constexpr unsigned char ZEROS[16] = {};
+constexpr unsigned char ZEROS[64] = {};  // as large as the largest element, a matrix of floats
 
 uint64_t size_of_component(int type) {
   switch (type) {
@@ -196,8 +196,16 @@ glm::vec4 AccessorReader::vec4_at(uint64_t i) const {
           component(bytes + 3 * component_size_)};
 }
 
-uint32_t AccessorReader::index_at(uint64_t i) const {
-  return load_unsigned(at(i), component_type_);
+glm::mat4 AccessorReader::mat4_at(uint64_t i) const {
+  glm::mat4 matrix(0.0f);
+  for (int column = 0; column < 4; ++column)
+    for (int row = 0; row < 4; ++row)
+      matrix[column][row] = component_at(i, static_cast<uint64_t>(4 * column + row));
+  return matrix;
+}
+
+uint32_t AccessorReader::index_at(uint64_t i, uint64_t c) const {
+  return load_unsigned(at(i) + c * component_size_, component_type_);
 }
 
 void AccessorReader::require_indices(const Document& document) const {

@@ -25,8 +25,12 @@ class AccessorReader {
   glm::vec2 vec2_at(uint64_t i) const;
   glm::vec3 vec3_at(uint64_t i) const;
   glm::vec4 vec4_at(uint64_t i) const;
-  /// Unsigned integer components only (vertex indices). @throws Error for others when the reader is made.
-  uint32_t index_at(uint64_t i) const;
+  /// Columns as they are stored. Precondition: the type is MAT4.
+  glm::mat4 mat4_at(uint64_t i) const;
+  /// Component c of element i. Precondition: c < components().
+  float component_at(uint64_t i, uint64_t c) const { return component(at(i) + c * component_size_); }
+  /// The same of unsigned integers (indices), see require_indices().
+  uint32_t index_at(uint64_t i, uint64_t c = 0) const;
   /// @throws Error unless components are unsigned integers.
   void require_indices(const Document& document) const;
 

@@ -110,15 +110,10 @@ void check_extensions(Document& document) {
     if (!is_known_extension(name)) document.warn(fmt::format("extension {} is not read", name));
 }
 
-void warn_of_ignored_parts(Document& document) {
-  if (document.json.contains("skins")) document.warn("skins are not read: rest pose");
-  if (document.json.contains("animations")) document.warn("animations are not read: rest pose");
-}
-
 tinygltf::Model to_model(json reduced, const Document& document) {
-  // Buffers and images are read by Files, under our own rules of which paths may be opened.
-  reduced.erase("buffers");
-  reduced.erase("images");
+  // Buffers and images are read by Files, under our own rules of which paths may be opened; tinygltf refuses
+  // skins without inverse bind matrices, which are valid.
+  for (const char* part : {"buffers", "images", "skins"}) reduced.erase(part);
   const std::string text = reduced.dump();
   if (text.size() > 0xFFFFFFFFu) document.fail("more than 4 GiB of JSON cannot be read; use a .glb");
 
@@ -185,7 +180,7 @@ std::span<const unsigned char> Document::view(int buffer_view, const std::string
 }
 
 Document open_document(const std::filesystem::path& path, bool allow_external) {
-  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}, {}, {}};
+  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}, {}, {}, {}};
   document.storage.push_back(document.files.read_scene());
   const ByteSpan bytes = document.storage.back();
   Container container{bytes, std::nullopt};
@@ -194,11 +189,11 @@ Document open_document(const std::filesystem::path& path, bool allow_external) {
   document.json = parse_json(container.json, path);
   check_asset(document.json, path);
   check_extensions(document);
-  warn_of_ignored_parts(document);
   json reduced = document.json;
   check_and_reduce(reduced, path);
   read_buffers(document, reduced, container.binary);
   document.images = reduced.value("images", json::array());
+  document.skins = reduced.value("skins", json::array());
   decode_meshopt_views(document, reduced);
   complete_draco_accessors(reduced);
   convert_specular_glossiness(reduced);

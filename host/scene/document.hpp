@@ -20,6 +20,7 @@ struct Document {
   nlohmann::json json;         ///< as written, extras included (types unchecked)
   tinygltf::Model model;       ///< checked by check_and_reduce; without buffers, images, skins and animations
   nlohmann::json images;       ///< json["images"], checked
+  nlohmann::json skins;        ///< json["skins"], checked
   std::vector<Bytes> storage;  ///< owns what `buffers` points into
   std::vector<std::span<const unsigned char>> buffers;  ///< contents of json["buffers"]
   std::map<int, std::span<const unsigned char>>

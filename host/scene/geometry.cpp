@@ -26,6 +26,10 @@ size_t mesh_index(const Document& document, const PlacedNode& placed) {
   return static_cast<size_t>(document.model.nodes[placed.node].mesh);
 }
 
+bool is_skinned(const PlacedNode& place) {
+  return place.pose && place.pose->joints;
+}
+
 bool emits(const Document& document, const tinygltf::Primitive& primitive) {
   return primitive.material >= 0 &&
          may_emit(document.model.materials[static_cast<size_t>(primitive.material)]);
@@ -81,28 +85,43 @@ void require_memory(const Document& document, const std::vector<PrimitiveToStore
   scene.vertices.reserve(size.vertices);
 }
 
+/// By mesh of the file: the pose of its first place without a skin, in which it can be shared.
+std::vector<const MeshPose*> poses_to_share(const Document& document, const std::vector<PlacedNode>& places) {
+  std::vector<const MeshPose*> poses(document.model.meshes.size(), nullptr);
+  for (size_t i = places.size(); i-- > 0;)
+    if (!is_skinned(places[i])) poses[mesh_index(document, places[i])] = places[i].pose.get();
+  return poses;
+}
+
+bool is_in_pose(const Document& document, const PlacedNode& place,
+                const std::vector<const MeshPose*>& poses) {
+  return !is_skinned(place) && place.pose.get() == poses[mesh_index(document, place)];
+}
+
 /// The primitives of a mesh that can be shared, to be stored in its own space.
-std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size_t mesh) {
+std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size_t mesh,
+                                                  const MeshPose* pose) {
   std::vector<PrimitiveToStore> result;
   const auto& primitives = document.model.meshes[mesh].primitives;
   for (size_t i = 0; i < primitives.size(); ++i)
     if (is_drawn(primitives[i]) && !emits(document, primitives[i]))
-      result.push_back({mesh, i, glm::dmat4(1.0), INVALID_INDEX});
+      result.push_back({mesh, i, glm::dmat4(1.0), INVALID_INDEX, pose});
   return result;
 }
 
 /// By mesh: whether it is stored once for its copies. Those that are, are chosen together: the gain must be
 /// worth it.
 std::vector<bool> choose_shared_meshes(const Document& document, const std::vector<PlacedNode>& places,
-                                       uint64_t sharing_gain) {
+                                       const std::vector<const MeshPose*>& poses, uint64_t sharing_gain) {
   std::vector<uint64_t> copies(document.model.meshes.size(), 0);
-  for (const PlacedNode& placed : places) ++copies[mesh_index(document, placed)];
+  for (const PlacedNode& placed : places)
+    if (is_in_pose(document, placed, poses)) ++copies[mesh_index(document, placed)];
   std::vector<bool> is_shared(copies.size(), false);
   uint64_t total = 0;
   for (size_t mesh = 0; mesh < copies.size(); ++mesh) {
     if (copies[mesh] < 2) continue;
     Size size;
-    const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh);
+    const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh, poses[mesh]);
     for (const PrimitiveToStore& primitive : primitives) add_size(document, primitive, size);
     if (size.triangles == 0 || !fits_memory(size)) continue;
     const uint64_t saved = (copies[mesh] - 1) * (size.bytes() + size.triangles * BYTES_IN_TREE);
@@ -119,7 +138,9 @@ std::vector<bool> choose_shared_meshes(const Document& document, const std::vect
 /// Stores primitives and places copies.
 class GeometryBuilder {
  public:
-  GeometryBuilder(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+  /// @param poses by mesh, see poses_to_share()
+  GeometryBuilder(Document& document, Scene& scene, const std::vector<const MeshPose*>& poses)
+      : document_(document), scene_(scene), poses_(poses) {}
 
   /// Stores the chosen meshes. Call before anything else is stored.
   void store_shared_meshes(const std::vector<bool>& is_shared) {
@@ -127,13 +148,13 @@ class GeometryBuilder {
     std::vector<PrimitiveToStore> all;
     for (size_t mesh = 0; mesh < is_shared.size(); ++mesh)
       if (is_shared[mesh])
-        for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh))
+        for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, poses_[mesh]))
           all.push_back(primitive);
     require_memory(document_, all, scene_);
     for (size_t mesh = 0; mesh < is_shared.size(); ++mesh) {
       if (!is_shared[mesh]) continue;
       const auto first = static_cast<uint32_t>(scene_.triangles.size());
-      for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh))
+      for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, poses_[mesh]))
         store_primitive(document_, primitive, scene_, tally_);
       const SharedMesh stored{first, static_cast<uint32_t>(scene_.triangles.size()) - first};
       if (stored.triangle_count == 0) continue;
@@ -147,11 +168,12 @@ class GeometryBuilder {
     std::vector<PrimitiveToStore> rest;
     for (uint32_t place = 0; place < places.size(); ++place) {
       const size_t mesh = mesh_index(document_, places[place]);
-      const bool is_copy = place_copy(mesh, places[place].to_world, place);
+      const bool is_copy =
+          is_in_pose(document_, places[place], poses_) && place_copy(mesh, places[place].to_world, place);
       const auto& primitives = document_.model.meshes[mesh].primitives;
       for (size_t i = 0; i < primitives.size(); ++i)
         if (is_drawn(primitives[i]) && (!is_copy || emits(document_, primitives[i])))
-          rest.push_back({mesh, i, places[place].to_world, place});
+          rest.push_back({mesh, i, places[place].to_world, place, places[place].pose.get()});
     }
     require_memory(document_, rest, scene_);
     for (const PrimitiveToStore& instance : rest) store_primitive(document_, instance, scene_, tally_);
@@ -177,6 +199,7 @@ class GeometryBuilder {
 
   Document& document_;
   Scene& scene_;
+  const std::vector<const MeshPose*>& poses_;
   Tally tally_;
   std::vector<Stored> stored_;  // by mesh of the file
 };
@@ -185,10 +208,12 @@ class GeometryBuilder {
 
 void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, uint64_t sharing_gain,
                   Scene& scene) {
-  const std::vector<PlacedNode> places = place_meshes(document, nodes);
+  std::vector<PlacedNode> places = place_meshes(document, nodes);
+  pose_meshes(document, nodes, places);
   warn_of_skipped(document, places);
-  GeometryBuilder builder(document, scene);
-  builder.store_shared_meshes(choose_shared_meshes(document, places, sharing_gain));
+  const std::vector<const MeshPose*> poses = poses_to_share(document, places);
+  GeometryBuilder builder(document, scene, poses);
+  builder.store_shared_meshes(choose_shared_meshes(document, places, poses, sharing_gain));
   builder.store_places(places);
   complete_colors(scene);
   if (!scene.vertex_uvs.empty()) scene.vertex_uvs.resize(scene.vertices.size(), glm::vec2(0));

@@ -80,7 +80,8 @@ std::vector<PlacedNode> place_meshes(const Document& document, const std::vector
     const tinygltf::Node& node = document.model.nodes[placed.node];
     if (node.mesh < 0) continue;
     const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
-    if (extension == node.extensions.end()) {
+    // The instances of a skinned mesh would all stand where its joints are.
+    if (extension == node.extensions.end() || node.skin >= 0) {
       places.push_back(placed);
     } else {
       const InstanceReader instances(document, placed.node, extension->second);

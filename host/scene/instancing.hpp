@@ -8,7 +8,8 @@
 
 namespace regulus::scene {
 
-/// The nodes that have a mesh, once for every place where it stands.
+/// The nodes that have a mesh, once for every place where it stands: skinned meshes once, where their joints
+/// are.
 /// @throws Error on broken instance attributes and on more than 2^24 places in all.
 std::vector<PlacedNode> place_meshes(const Document& document, const std::vector<PlacedNode>& nodes);
 

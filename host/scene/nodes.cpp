@@ -131,4 +131,21 @@ std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size
   return placed;
 }
 
+std::vector<glm::dmat4> node_transforms(const Document& document, const std::vector<PlacedNode>& placed) {
+  const std::vector<size_t> parents = find_parents(document);
+  std::vector<std::optional<glm::dmat4>> as_placed(parents.size());
+  for (const PlacedNode& node : placed) as_placed[node.node] = node.to_world;
+
+  std::vector<glm::dmat4> transforms(parents.size(), glm::dmat4(1.0));
+  std::vector<size_t> stack = find_roots(document, std::nullopt, parents);
+  while (!stack.empty()) {
+    const size_t node = stack.back();
+    stack.pop_back();
+    const glm::dmat4 parent = parents[node] == NO_PARENT ? glm::dmat4(1.0) : transforms[parents[node]];
+    transforms[node] = as_placed[node] ? *as_placed[node] : parent * local_transform(document, node);
+    for (const int child : document.model.nodes[node].children) stack.push_back(static_cast<size_t>(child));
+  }
+  return transforms;
+}
+
 }  // namespace regulus::scene

@@ -9,6 +9,7 @@
 
 #include "scene/accessor.hpp"
 #include "scene/material.hpp"
+#include "scene/morph.hpp"
 #include "scene/placement.hpp"
 #include "scene/tangents.hpp"
 #include "scene/uv_mapping.hpp"
@@ -31,16 +32,18 @@ std::string instance_name(const Document& document, const PrimitiveToStore& inst
                      instance.primitive);
 }
 
-std::optional<AccessorReader> attribute(const Document& document, const PrimitiveToStore& instance,
-                                        const char* name, int type) {
-  const auto& attributes = primitive_of(document, instance).attributes;
-  const auto found = attributes.find(name);
-  if (found == attributes.end()) return std::nullopt;
-  return AccessorReader(document, found->second, type, instance_name(document, instance) + " " + name);
+std::optional<MorphedAttribute> attribute(const Document& document, const PrimitiveToStore& instance,
+                                          const std::string& name, int type) {
+  const tinygltf::Primitive& primitive = primitive_of(document, instance);
+  if (primitive.attributes.count(name) == 0) return std::nullopt;
+  static const std::vector<double> NO_WEIGHTS;
+  return MorphedAttribute(document, primitive, name, type,
+                          instance.pose != nullptr ? instance.pose->weights : NO_WEIGHTS,
+                          instance_name(document, instance));
 }
 
 /// COLOR_0, whose elements have three or four components.
-std::optional<AccessorReader> color_attribute(const Document& document, const PrimitiveToStore& instance) {
+std::optional<MorphedAttribute> color_attribute(const Document& document, const PrimitiveToStore& instance) {
   const auto& attributes = primitive_of(document, instance).attributes;
   const auto found = attributes.find("COLOR_0");
   if (found == attributes.end()) return std::nullopt;
@@ -116,13 +119,30 @@ MaterialUvs uvs_of(Document& document, const PrimitiveToStore& instance) {
 }
 
 /// TANGENT, if the material needs it; without normals the specification says to ignore it.
-std::optional<AccessorReader> tangent_attribute(const Document& document, const PrimitiveToStore& instance) {
+std::optional<MorphedAttribute> tangent_attribute(const Document& document,
+                                                  const PrimitiveToStore& instance) {
   const int material = primitive_of(document, instance).material;
   if (material < 0 || !needs_tangents(document.model.materials[static_cast<size_t>(material)]) ||
       primitive_of(document, instance).attributes.count("NORMAL") == 0)
     return std::nullopt;
   return attribute(document, instance, "TANGENT", TINYGLTF_TYPE_VEC4);
 }
+
+/// What places a vertex in the world.
+struct VertexFrame {
+  glm::dmat4 to_world;
+  glm::dmat3 normal_to_world;
+  bool is_mirrored;
+
+  explicit VertexFrame(const glm::dmat4& transform) : to_world(transform) {
+    const glm::dmat3 linear(transform);
+    is_mirrored = glm::determinant(linear) < 0;
+    // The cofactor matrix is determinant * inverse transpose and exists for flattening transforms too.
+    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
+                              glm::cross(linear[0], linear[1]));
+    normal_to_world = is_mirrored ? -cofactor : cofactor;
+  }
+};
 
 /// Flattens one primitive.
 class PrimitiveBuilder {
@@ -139,16 +159,10 @@ class PrimitiveBuilder {
         second_uvs_(material_uvs_.second_set ? uv_attribute(*material_uvs_.second_set) : std::nullopt),
         colors_(color_attribute(document, instance)),
         tangents_(tangent_attribute(document, instance)),
-        triangles_(document, instance, positions_.count()) {
-    const glm::dmat3 linear(instance.to_world);
-    const double determinant = glm::determinant(linear);
-    is_mirrored_ = determinant < 0;
-    // The cofactor matrix is determinant * inverse transpose and exists for flattening transforms too.
-    const glm::dmat3 cofactor(glm::cross(linear[1], linear[2]), glm::cross(linear[2], linear[0]),
-                              glm::cross(linear[0], linear[1]));
-    normal_to_world_ = is_mirrored_ ? -cofactor : cofactor;
+        triangles_(document, instance, positions_.count()),
+        frame_(instance.to_world) {
+    if (instance.pose != nullptr && instance.pose->joints) skin(*instance.pose->joints);
     const int material = primitive_of(document, instance).material;
-    linear_ = linear;
     needs_tangents_ =
         material >= 0 && needs_tangents(document.model.materials[static_cast<size_t>(material)]);
     material_ = material >= 0 ? static_cast<uint32_t>(material)
@@ -178,8 +192,20 @@ class PrimitiveBuilder {
   }
 
  private:
-  std::optional<AccessorReader> uv_attribute(int set) const {
-    return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set).c_str(), TINYGLTF_TYPE_VEC2);
+  /// Joints move the vertices, one by one.
+  void skin(const JointMatrices& joints) {
+    const tinygltf::Primitive& primitive = primitive_of(document_, instance_);
+    const std::string name = instance_name(document_, instance_);
+    if (has_joints(primitive))
+      skinned_ = skin_vertices(document_, primitive, joints, positions_.count(), name, tally_.skin);
+    else
+      document_.warn(name + " has no joints and weights for its skin; its node places it");
+  }
+
+  VertexFrame frame(uint64_t i) const { return skinned_.empty() ? frame_ : VertexFrame(skinned_[i]); }
+
+  std::optional<MorphedAttribute> uv_attribute(int set) const {
+    return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set), TINYGLTF_TYPE_VEC2);
   }
 
   void warn_of_missing(int set) {
@@ -187,21 +213,23 @@ class PrimitiveBuilder {
                                instance_name(document_, instance_), set));
   }
 
-  /// Tangents follow the coordinates of the normal texture.
+  /// Tangents follow the coordinates of the normal texture. Those of a skinned mesh are made where its joints
+  /// put it.
   void add_tangents_of_image(size_t first_vertex, size_t first_triangle) {
     const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
-    add_tangents(scene_, first_vertex, first_triangle, placement, linear_);
+    add_tangents(scene_, first_vertex, first_triangle, placement,
+                 glm::dmat3(skinned_.empty() ? instance_.to_world : glm::dmat4(1.0)));
   }
 
-  void require_same_count(const std::optional<AccessorReader>& reader) const {
+  void require_same_count(const std::optional<MorphedAttribute>& reader) const {
     if (reader && reader->count() != positions_.count())
       document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
                                  reader->element(), reader->count(), positions_.count()));
   }
 
-  glm::vec3 position(uint64_t i) const {
+  glm::vec3 position(uint64_t i, const VertexFrame& frame) const {
     const glm::vec3 local = positions_.vec3_at(i);
-    const glm::vec3 world(instance_.to_world * glm::dvec4(local, 1.0));
+    const glm::vec3 world(frame.to_world * glm::dvec4(local, 1.0));
     for (int axis = 0; axis < 3; ++axis) {
       if (!std::isfinite(local[axis]))
         document_.fail(fmt::format("{}: vertex {} is not finite; repair the mesh", positions_.element(), i));
@@ -212,7 +240,7 @@ class PrimitiveBuilder {
     return world;
   }
 
-  glm::vec2 uv(const std::optional<AccessorReader>& reader, const UvMapping& mapping, uint64_t i) {
+  glm::vec2 uv(const std::optional<MorphedAttribute>& reader, const UvMapping& mapping, uint64_t i) {
     if (!reader) return glm::vec2(0);
     const glm::vec2 value = mapping.apply(reader->vec2_at(i));
     if (std::isfinite(value.x) && std::isfinite(value.y)) return value;
@@ -230,7 +258,8 @@ class PrimitiveBuilder {
   }
 
   /// Appends a vertex with everything that vertex `source` of the primitive carries but its normal.
-  void add_vertex(uint64_t source, const glm::vec3& world_position, const glm::vec3& world_normal) {
+  void add_vertex(uint64_t source, const VertexFrame& frame, const glm::vec3& world_position,
+                  const glm::vec3& world_normal) {
     scene_.vertices.push_back({world_position, world_normal, uv(uvs_, material_uvs_.first, source)});
     if (second_uvs_) {
       scene_.vertex_uvs.resize(scene_.vertices.size() - 1, glm::vec2(0));
@@ -242,24 +271,24 @@ class PrimitiveBuilder {
     }
     if (tangents_) {
       scene_.vertex_tangents.resize(scene_.vertices.size() - 1, glm::vec4(1, 0, 0, 1));
-      scene_.vertex_tangents.push_back(tangent(source, world_normal));
+      scene_.vertex_tangents.push_back(tangent(source, frame, world_normal));
     }
   }
 
   /// World-space tangent; a mirroring transform turns the bitangent.
-  glm::vec4 tangent(uint64_t i, const glm::vec3& world_normal) {
+  glm::vec4 tangent(uint64_t i, const VertexFrame& frame, const glm::vec3& world_normal) {
     const glm::vec4 local = tangents_->vec4_at(i);
-    const glm::dvec3 world = linear_ * glm::dvec3(local);
+    const glm::dvec3 world = glm::dmat3(frame.to_world) * glm::dvec3(local);
     const double length = glm::length(world);
-    const float sign = (local.w < 0) != is_mirrored_ ? -1.0f : 1.0f;
+    const float sign = (local.w < 0) != frame.is_mirrored ? -1.0f : 1.0f;
     if (length > 0 && std::isfinite(length)) return {glm::vec3(world / length), sign};
     ++tally_.bad_tangents;
     return any_tangent(world_normal);
   }
 
   /// World-space unit normal; zero where the file's normal gives no direction.
-  glm::vec3 normal(uint64_t i) const {
-    const glm::dvec3 world = normal_to_world_ * glm::dvec3(normals_->vec3_at(i));
+  glm::vec3 normal(uint64_t i, const VertexFrame& frame) const {
+    const glm::dvec3 world = frame.normal_to_world * glm::dvec3(normals_->vec3_at(i));
     const double largest = std::max({std::fabs(world.x), std::fabs(world.y), std::fabs(world.z)});
     if (!(largest > 0) || !std::isfinite(largest)) return glm::vec3(0);
     return glm::vec3(glm::normalize(world / largest));
@@ -267,7 +296,10 @@ class PrimitiveBuilder {
 
   void add_shared_vertices() {
     first_vertex_ = static_cast<uint32_t>(scene_.vertices.size());
-    for (uint64_t i = 0; i < positions_.count(); ++i) add_vertex(i, position(i), normal(i));
+    for (uint64_t i = 0; i < positions_.count(); ++i) {
+      const VertexFrame vertex = frame(i);
+      add_vertex(i, vertex, position(i, vertex), normal(i, vertex));
+    }
   }
 
   void add_smooth_triangles() {
@@ -296,23 +328,33 @@ class PrimitiveBuilder {
   void add_flat_triangles() {
     for (uint64_t t = 0; t < triangles_.size(); ++t) {
       const glm::uvec3 corner = corners(t);
-      const glm::vec3 p[3] = {position(corner.x), position(corner.y), position(corner.z)};
+      const VertexFrame frames[3] = {frame(corner.x), frame(corner.y), frame(corner.z)};
+      glm::vec3 p[3];
+      for (int i = 0; i < 3; ++i) p[i] = position(corner[i], frames[i]);
       const glm::vec3 geometric = geometric_normal(p[0], p[1], p[2]);
       if (geometric == glm::vec3(0)) {
         ++tally_.without_area;
         continue;
       }
       const uint32_t first = static_cast<uint32_t>(scene_.vertices.size());
-      for (int i = 0; i < 3; ++i) add_vertex(corner[i], p[i], geometric);
+      for (int i = 0; i < 3; ++i) add_vertex(corner[i], frames[i], p[i], geometric);
       add_triangle({first, first + 1, first + 2});
     }
   }
 
-  /// Corners of triangle t; a mirroring transform turns the front face away, so two corners swap.
+  /// Corners of triangle t; a mirroring transform (of most corners) turns the front face away, so two corners
+  /// swap.
   glm::uvec3 corners(uint64_t t) {
     ++tally_.triangles;
     const glm::uvec3 corner = triangles_.at(document_, instance_, t);
-    return is_mirrored_ ? glm::uvec3(corner.x, corner.z, corner.y) : corner;
+    return is_mirrored(corner) ? glm::uvec3(corner.x, corner.z, corner.y) : corner;
+  }
+
+  bool is_mirrored(const glm::uvec3& corner) const {
+    if (skinned_.empty()) return frame_.is_mirrored;
+    int mirrored = 0;
+    for (int i = 0; i < 3; ++i) mirrored += glm::determinant(glm::dmat3(skinned_[corner[i]])) < 0 ? 1 : 0;
+    return mirrored >= 2;
   }
 
   void add_triangle(const glm::uvec3& corner) {
@@ -323,17 +365,16 @@ class PrimitiveBuilder {
   const PrimitiveToStore& instance_;
   Scene& scene_;
   Tally& tally_;
-  AccessorReader positions_;
-  std::optional<AccessorReader> normals_;
+  MorphedAttribute positions_;
+  std::optional<MorphedAttribute> normals_;
   MaterialUvs material_uvs_;
-  std::optional<AccessorReader> uvs_, second_uvs_;
-  std::optional<AccessorReader> colors_;
-  std::optional<AccessorReader> tangents_;
+  std::optional<MorphedAttribute> uvs_, second_uvs_;
+  std::optional<MorphedAttribute> colors_;
+  std::optional<MorphedAttribute> tangents_;
   TriangleList triangles_;
-  bool is_mirrored_ = false;
+  VertexFrame frame_;                // where no joints place the vertices
+  std::vector<glm::dmat4> skinned_;  // by vertex; empty: without joints
   bool needs_tangents_ = false;
-  glm::dmat3 linear_{1.0};
-  glm::dmat3 normal_to_world_{1.0};
   uint32_t material_ = 0;
   uint32_t first_vertex_ = 0;
 };
@@ -356,7 +397,7 @@ void add_size(const Document& document, const PrimitiveToStore& instance, Size& 
 
 bool fits_untransformed(const Document& document, const std::vector<PrimitiveToStore>& primitives) {
   for (const PrimitiveToStore& primitive : primitives) {
-    const AccessorReader positions = *attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3);
+    const MorphedAttribute positions = *attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3);
     const uint64_t triangles = TriangleList(document, primitive, positions.count()).size();
     if (positions.count() > std::max(3 * triangles, MANY_VERTICES)) return false;
     for (uint64_t i = 0; i < positions.count(); ++i) {
@@ -383,6 +424,7 @@ void warn_of(const Tally& tally, Document& document) {
     document.warn(fmt::format("{} texture coordinates are not finite; 0 is used", tally.bad_uvs));
   if (tally.bad_tangents != 0)
     document.warn(fmt::format("{} tangents have no direction; others are used", tally.bad_tangents));
+  warn_of(tally.skin, document);
   if (tally.bad_colors != 0)
     document.warn(fmt::format("{} vertex colours are not numbers; white is used", tally.bad_colors));
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "scene/document.hpp"
+#include "scene/pose.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
@@ -15,7 +16,8 @@ struct PrimitiveToStore {
   size_t mesh;
   size_t primitive;
   glm::dmat4 to_world;
-  uint32_t place;  ///< of its mesh, see interface::Triangle
+  uint32_t place;                  ///< of its mesh, see interface::Triangle
+  const MeshPose* pose = nullptr;  ///< null: as its accessors have it. With joints they place the vertices
 };
 
 /// What was seen while flattening, reported in one warning each.
@@ -26,6 +28,7 @@ struct Tally {
   uint64_t bad_uvs = 0;
   uint64_t bad_colors = 0;
   uint64_t bad_tangents = 0;
+  SkinTally skin;
 };
 
 /// True for primitives that have triangles.

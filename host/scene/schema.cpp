@@ -42,14 +42,16 @@ constexpr std::array<std::string_view, 17> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_ins
                                                                "KHR_materials_pbrSpecularGlossiness"};
 
 enum class Kind {
-  Index,       // non-negative integer below the length of the array `target`
-  IndexArray,  // array of Index
-  IndexMap,    // object whose members are Index
-  IntegerMap,  // object whose members are Integer
-  Integer,     // 0 .. 2^31 - 1
-  Size,        // 0 .. 2^53
+  Index,          // non-negative integer below the length of the array `target`
+  IndexArray,     // array of Index
+  IndexMap,       // object whose members are Index
+  IndexMapArray,  // array of IndexMap
+  IntegerMap,     // object whose members are Integer
+  Integer,        // 0 .. 2^31 - 1
+  Size,           // 0 .. 2^53
   Number,
-  Vector,  // `length` numbers
+  Vector,   // `length` numbers
+  Numbers,  // any number of them
   Boolean,
   String,
   Object,
@@ -75,10 +77,15 @@ const std::map<std::string_view, Rule>& rules() {
       {"index", {Kind::Index, "textures"}},
       {"scene", {Kind::Index, "scenes"}},
       {"light", {Kind::Index, "lights"}},
+      {"skin", {Kind::Index, "skins"}},
+      {"inverseBindMatrices", {Kind::Index, "accessors"}},
+      {"joints", {Kind::IndexArray, "nodes"}},
       {"children", {Kind::IndexArray, "nodes"}},
       {"nodes", {Kind::IndexArray, "nodes"}},
       {"variants", {Kind::IndexArray, "variants"}},
       {"attributes", {Kind::IndexMap, "accessors"}},
+      {"targets", {Kind::IndexMapArray, "accessors"}},
+      {"weights", {Kind::Numbers}},
       {"mode", {Kind::Integer}},
       {"componentType", {Kind::Integer}},
       {"texCoord", {Kind::Integer}},
@@ -164,6 +171,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"primitives", {Kind::ObjectArray}},
       {"samplers", {Kind::ObjectArray}},
       {"scenes", {Kind::ObjectArray}},
+      {"skins", {Kind::ObjectArray}},
       {"textures", {Kind::ObjectArray}},
   };
   return table;
@@ -199,14 +207,14 @@ const Rule* find_rule(std::string_view extension, std::string_view member) {
 }
 
 // Parts of a document that are never read: removed, so that neither we nor tinygltf look at them.
-constexpr std::array<std::string_view, 7> IGNORED_MEMBERS = {
-    "extras", "animations", "skins", "skin", "targets", "weights", "occlusionTexture"};
+constexpr std::array<std::string_view, 4> IGNORED_MEMBERS = {"extras", "animations", "skeleton",
+                                                             "occlusionTexture"};
 
 class Checker {
  public:
   Checker(const json& document, const std::filesystem::path& file) : file_(file) {
     for (const char* array : {"accessors", "buffers", "bufferViews", "cameras", "images", "materials",
-                              "meshes", "nodes", "samplers", "scenes", "textures"})
+                              "meshes", "nodes", "samplers", "scenes", "skins", "textures"})
       lengths_[array] = array_length(document, array);
     lengths_["lights"] = length_in_extension(document, "KHR_lights_punctual", "lights");
     lengths_["variants"] = length_in_extension(document, "KHR_materials_variants", "variants");
@@ -238,6 +246,11 @@ class Checker {
     return found != extensions->end() ? array_length(*found, array) : 0;
   }
 
+  static bool are_numbers(const json& value) {
+    return value.is_array() &&
+           std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); });
+  }
+
   [[noreturn]] void refuse(const std::string& path, const std::string& wanted) const {
     fail(file_, fmt::format("{} must be {}; export the file again", path, wanted));
   }
@@ -255,9 +268,11 @@ class Checker {
           check_index(value[i], rule.target, fmt::format("{}/{}", path, i));
         return;
       case Kind::IndexMap:
-        if (!value.is_object()) refuse(path, "an object");
-        for (auto& [name, index] : value.items())
-          check_index(index, rule.target, fmt::format("{}/{}", path, name));
+        return check_index_map(value, rule.target, path);
+      case Kind::IndexMapArray:
+        if (!value.is_array()) refuse(path, "an array");
+        for (size_t i = 0; i < value.size(); ++i)
+          check_index_map(value[i], rule.target, fmt::format("{}/{}", path, i));
         return;
       case Kind::IntegerMap:
         if (!value.is_object()) refuse(path, "an object");
@@ -273,9 +288,11 @@ class Checker {
         if (!value.is_number()) refuse(path, "a number");
         return;
       case Kind::Vector:
-        if (!value.is_array() || value.size() != rule.length ||
-            !std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); }))
+        if (!are_numbers(value) || value.size() != rule.length)
           refuse(path, fmt::format("an array of {} numbers", rule.length));
+        return;
+      case Kind::Numbers:
+        if (!are_numbers(value)) refuse(path, "an array of numbers");
         return;
       case Kind::Boolean:
         if (!value.is_boolean()) refuse(path, "true or false");
@@ -319,6 +336,11 @@ class Checker {
     if (!(number >= 0 && number <= maximum && number == std::floor(number)))
       refuse(path, fmt::format("an integer from 0 to {:.0f}", maximum));
     value = static_cast<uint64_t>(number);
+  }
+
+  void check_index_map(json& value, std::string_view target, const std::string& path) const {
+    if (!value.is_object()) refuse(path, "an object");
+    for (auto& [name, index] : value.items()) check_index(index, target, fmt::format("{}/{}", path, name));
   }
 
   void check_index(json& value, std::string_view target, const std::string& path) const {
