@@ -78,7 +78,7 @@ ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh&
     const reference::Camera camera(
         scene::make_camera(scene.cameras.at(wanted.camera), wanted.width, wanted.height), wanted.width,
         wanted.height);
-    render::add_surface_channels(reference::first_hits(world, camera, wanted), settings.aovs,
+    render::add_surface_channels(reference::first_hits(world, camera, wanted), settings.aovs, scene.origin,
                                  result.channels);
   }
   add_film_channels(film, settings.aovs, result.channels);

@@ -141,6 +141,12 @@ Json regularization_json(const scene::Features& features, const render::RenderSe
   return answer(false, fmt::format("dropped: no lobe is sharper than tau {:g} allows", settings.tau));
 }
 
+/// A point of the scene's frame in the file's world.
+Json in_world(const scene::Scene& scene, const glm::vec3& point) {
+  const glm::dvec3 world = scene.origin + glm::dvec3(point);
+  return {world.x, world.y, world.z};
+}
+
 Json inspect(const InspectOptions& options) {
   scene::Scene scene = scene::load(
       options.scene_file,
@@ -151,9 +157,8 @@ Json inspect(const InspectOptions& options) {
   return {{"file", scene.path.string()},
           {"hash", fmt::format("{:016x}", scene.hash)},
           {"size", {settings.width, settings.height}},
-          {"bounds",
-           {{scene.bounds_min.x, scene.bounds_min.y, scene.bounds_min.z},
-            {scene.bounds_max.x, scene.bounds_max.y, scene.bounds_max.z}}},
+          {"bounds", {in_world(scene, scene.bounds_min), in_world(scene, scene.bounds_max)}},
+          {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
           {"cameras", cameras_json(scene)},
           {"meshes", scene.inventory.meshes},
           {"instances", scene.inventory.instances},
@@ -200,6 +205,8 @@ void print_contents(const Json& scene) {
     fmt::print("instances        {} copies of {} meshes: {} triangles stored\n",
                scene["copies"].get<uint64_t>(), scene["shared_meshes"].get<uint64_t>(),
                scene["stored_triangles"].get<uint64_t>());
+  if (scene["origin"] != Json{0.0, 0.0, 0.0})
+    fmt::print("origin           {}: taken off before positions are rounded\n", scene["origin"].dump());
   for (const Json& material : scene["materials"])
     fmt::print("material         {}, {}{}, {} triangles\n", material["name"].dump(),
                material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",

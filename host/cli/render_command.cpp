@@ -176,13 +176,13 @@ std::optional<render::Film> find_checkpoint(const RenderOptions& options, const 
 
 // The picture, with its AOVs, and with its sums if it is a range of samples. A device that is lost makes no
 // AOVs of surfaces any more.
-image::Image write_image(const Outputs& outputs, const RenderOptions& options,
+image::Image write_image(const Outputs& outputs, const RenderOptions& options, const scene::Scene& scene,
                          const render::RenderSettings& settings, const image::Attributes& attributes,
                          render::Renderer& renderer, bool is_device_lost) {
   const render::Film& film = renderer.film();
   image::Channels channels;
   if ((settings.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
-    render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
+    render::add_surface_channels(renderer.surface_aovs(), settings.aovs, scene.origin, channels);
   if ((settings.aovs & render::AOV_SIGMA) != 0 && !is_device_lost)
     render::add_sigma_channels(renderer.surface_footprints(), channels);
   render::add_film_channels(film, settings.aovs, channels);
@@ -251,8 +251,8 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   nlohmann::json statistics = render_statistics(device, scene, settings, renderer, times);
   if (options.noise_target) statistics["noise"] = stop.noise();
   const image::Image image =
-      write_image(outputs, options, settings, image_attributes(device, scene, settings, renderer), renderer,
-                  failure.has_value());
+      write_image(outputs, options, scene, settings, image_attributes(device, scene, settings, renderer),
+                  renderer, failure.has_value());
   write_outputs(outputs, options, image, statistics);
   if (!options.strategy_images.empty() && !failure)
     write_strategy_images(options.strategy_images, renderer, settings.max_depth,

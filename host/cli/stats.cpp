@@ -85,6 +85,7 @@ nlohmann::json scene_json(const scene::Scene& scene) {
     if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
   return {{"file", scene.path.string()},
           {"hash", fmt::format("{:016x}", scene.hash)},
+          {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
           {"triangles", scene::placed_triangle_count(scene)},
           {"stored_triangles", scene.triangles.size()},
           {"materials", scene.materials.size()},
@@ -158,6 +159,8 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Rend
   for (const auto& [name, value] : recorded.items())
     attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
   attributes["regulus:scene"] = scene.path.string();
+  attributes["regulus:origin"] =
+      fmt::format("{:.17g} {:.17g} {:.17g}", scene.origin.x, scene.origin.y, scene.origin.z);
   attributes["regulus:scene_hash"] = fmt::format("{:016x}", scene.hash);
   attributes["regulus:version"] = fmt::format("{} ({})", VERSION, COMMIT);
   return attributes;

@@ -35,6 +35,13 @@ void add_vectors(const std::vector<AovPixel>& pixels, const std::string& name, c
         values_of<float>(pixels, [&](const AovPixel& pixel) { return (pixel.*vector)[i]; });
 }
 
+void add_positions(const std::vector<AovPixel>& pixels, const glm::dvec3& origin, image::Channels& channels) {
+  for (int i = 0; i < 3; ++i)
+    channels[std::string("P.") + "XYZ"[i]] = values_of<float>(pixels, [&](const AovPixel& pixel) {
+      return std::isinf(pixel.depth) ? 0.0F : static_cast<float>(pixel.position[i] + origin[i]);
+    });
+}
+
 /// Indices count from 1: INVALID_INDEX becomes 0.
 void add_indices(const std::vector<AovPixel>& pixels, const char* name, uint32_t AovPixel::*index,
                  image::Channels& channels) {
@@ -70,12 +77,13 @@ std::string aov_names(uint32_t aovs) {
   return list;
 }
 
-void add_surface_channels(const std::vector<AovPixel>& pixels, uint32_t aovs, image::Channels& channels) {
+void add_surface_channels(const std::vector<AovPixel>& pixels, uint32_t aovs, const glm::dvec3& origin,
+                          image::Channels& channels) {
   if ((aovs & AOV_ALBEDO) != 0) add_vectors(pixels, "albedo", "RGB", &AovPixel::albedo, channels);
   if ((aovs & AOV_SHADING_NORMAL) != 0) add_vectors(pixels, "N", "XYZ", &AovPixel::shading_normal, channels);
   if ((aovs & AOV_GEOMETRIC_NORMAL) != 0)
     add_vectors(pixels, "Ng", "XYZ", &AovPixel::geometric_normal, channels);
-  if ((aovs & AOV_POSITION) != 0) add_vectors(pixels, "P", "XYZ", &AovPixel::position, channels);
+  if ((aovs & AOV_POSITION) != 0) add_positions(pixels, origin, channels);
   if ((aovs & AOV_DEPTH) != 0)
     channels["Z"] = values_of<float>(pixels, [](const AovPixel& pixel) { return pixel.depth; });
   if ((aovs & AOV_MATERIAL) != 0) add_indices(pixels, "material", &AovPixel::material, channels);

@@ -18,9 +18,10 @@ uint32_t parse_aovs(const std::string& list);
 std::string aov_names(uint32_t aovs);
 
 /// Channels of those SURFACE_AOVS that `aovs` asks for: albedo.R, N.X, Ng.X, P.X and so on, Z, and the
-/// integers material and instance: 1 + index, 0 where there is nothing.
+/// integers material and instance: 1 + index, 0 where there is nothing. P is in the world of the file:
+/// `origin` (Scene::origin) is added where there is a surface.
 void add_surface_channels(const std::vector<interface::AovPixel>& pixels, uint32_t aovs,
-                          image::Channels& channels);
+                          const glm::dvec3& origin, image::Channels& channels);
 
 /// Channels sigma.position (m) and sigma.angle (rad) of footprints as Renderer::surface_footprints() finds
 /// them: standard deviations of one coordinate.

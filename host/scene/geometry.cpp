@@ -4,9 +4,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include "interface/bvh.h"
-#include "scene/instancing.hpp"
 #include "scene/material.hpp"
 #include "scene/placement.hpp"
 #include "scene/primitive.hpp"
@@ -85,49 +85,56 @@ void require_memory(const Document& document, const std::vector<PrimitiveToStore
   scene.vertices.reserve(size.vertices);
 }
 
-/// By mesh of the file: the pose of its first place without a skin, in which it can be shared.
-std::vector<const MeshPose*> poses_to_share(const Document& document, const std::vector<PlacedNode>& places) {
-  std::vector<const MeshPose*> poses(document.model.meshes.size(), nullptr);
+/// How a mesh is stored if its copies share it.
+struct SharedForm {
+  const MeshPose* pose = nullptr;  ///< that of its first place without a skin
+  glm::dvec3 origin{0};            ///< taken off in its own space
+};
+
+/// By mesh of the file. `boxes` are around the meshes in their own spaces.
+std::vector<SharedForm> forms_to_share(const Document& document, const std::vector<PlacedNode>& places,
+                                       const std::vector<Box>& boxes) {
+  std::vector<SharedForm> forms(boxes.size());
   for (size_t i = places.size(); i-- > 0;)
-    if (!is_skinned(places[i])) poses[mesh_index(document, places[i])] = places[i].pose.get();
-  return poses;
+    if (!is_skinned(places[i])) forms[mesh_index(document, places[i])].pose = places[i].pose.get();
+  for (size_t mesh = 0; mesh < boxes.size(); ++mesh) forms[mesh].origin = choose_origin(boxes[mesh]);
+  return forms;
 }
 
-bool is_in_pose(const Document& document, const PlacedNode& place,
-                const std::vector<const MeshPose*>& poses) {
-  return !is_skinned(place) && place.pose.get() == poses[mesh_index(document, place)];
+bool is_in_form(const Document& document, const PlacedNode& place, const std::vector<SharedForm>& forms) {
+  return !is_skinned(place) && place.pose.get() == forms[mesh_index(document, place)].pose;
 }
 
 /// The primitives of a mesh that can be shared, to be stored in its own space.
 std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size_t mesh,
-                                                  const MeshPose* pose) {
+                                                  const SharedForm& form) {
   std::vector<PrimitiveToStore> result;
   const auto& primitives = document.model.meshes[mesh].primitives;
   for (size_t i = 0; i < primitives.size(); ++i)
     if (is_drawn(primitives[i]) && !emits(document, primitives[i]))
-      result.push_back({mesh, i, glm::dmat4(1.0), INVALID_INDEX, pose});
+      result.push_back({mesh, i, glm::translate(glm::dmat4(1.0), -form.origin), INVALID_INDEX, form.pose});
   return result;
 }
 
 /// By mesh: whether it is stored once for its copies. Those that are, are chosen together: the gain must be
 /// worth it.
 std::vector<bool> choose_shared_meshes(const Document& document, const std::vector<PlacedNode>& places,
-                                       const std::vector<const MeshPose*>& poses, uint64_t sharing_gain) {
+                                       const std::vector<SharedForm>& forms, uint64_t sharing_gain) {
   std::vector<uint64_t> copies(document.model.meshes.size(), 0);
   for (const PlacedNode& placed : places)
-    if (is_in_pose(document, placed, poses)) ++copies[mesh_index(document, placed)];
+    if (is_in_form(document, placed, forms)) ++copies[mesh_index(document, placed)];
   std::vector<bool> is_shared(copies.size(), false);
   uint64_t total = 0;
   for (size_t mesh = 0; mesh < copies.size(); ++mesh) {
     if (copies[mesh] < 2) continue;
     Size size;
-    const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh, poses[mesh]);
+    const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh, forms[mesh]);
     for (const PrimitiveToStore& primitive : primitives) add_size(document, primitive, size);
     if (size.triangles == 0 || !fits_memory(size)) continue;
     const uint64_t saved = (copies[mesh] - 1) * (size.bytes() + size.triangles * BYTES_IN_TREE);
     const uint64_t cost = copies[mesh] * BYTES_OF_COPY;
     if (sharing_gain > 0 && saved < cost + std::min(LEAST_GAIN, sharing_gain)) continue;
-    if (!fits_untransformed(document, primitives)) continue;
+    if (!fits_as_shared(document, primitives)) continue;
     is_shared[mesh] = true;
     total += saved > cost ? saved - cost : 0;
   }
@@ -138,9 +145,9 @@ std::vector<bool> choose_shared_meshes(const Document& document, const std::vect
 /// Stores primitives and places copies.
 class GeometryBuilder {
  public:
-  /// @param poses by mesh, see poses_to_share()
-  GeometryBuilder(Document& document, Scene& scene, const std::vector<const MeshPose*>& poses)
-      : document_(document), scene_(scene), poses_(poses) {}
+  /// @param forms by mesh, see forms_to_share()
+  GeometryBuilder(Document& document, Scene& scene, const std::vector<SharedForm>& forms)
+      : document_(document), scene_(scene), forms_(forms) {}
 
   /// Stores the chosen meshes. Call before anything else is stored.
   void store_shared_meshes(const std::vector<bool>& is_shared) {
@@ -148,13 +155,13 @@ class GeometryBuilder {
     std::vector<PrimitiveToStore> all;
     for (size_t mesh = 0; mesh < is_shared.size(); ++mesh)
       if (is_shared[mesh])
-        for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, poses_[mesh]))
+        for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, forms_[mesh]))
           all.push_back(primitive);
     require_memory(document_, all, scene_);
     for (size_t mesh = 0; mesh < is_shared.size(); ++mesh) {
       if (!is_shared[mesh]) continue;
       const auto first = static_cast<uint32_t>(scene_.triangles.size());
-      for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, poses_[mesh]))
+      for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, forms_[mesh]))
         store_primitive(document_, primitive, scene_, tally_);
       const SharedMesh stored{first, static_cast<uint32_t>(scene_.triangles.size()) - first};
       if (stored.triangle_count == 0) continue;
@@ -169,7 +176,7 @@ class GeometryBuilder {
     for (uint32_t place = 0; place < places.size(); ++place) {
       const size_t mesh = mesh_index(document_, places[place]);
       const bool is_copy =
-          is_in_pose(document_, places[place], poses_) && place_copy(mesh, places[place].to_world, place);
+          is_in_form(document_, places[place], forms_) && place_copy(mesh, places[place].to_world, place);
       const auto& primitives = document_.model.meshes[mesh].primitives;
       for (size_t i = 0; i < primitives.size(); ++i)
         if (is_drawn(primitives[i]) && (!is_copy || emits(document_, primitives[i])))
@@ -192,28 +199,27 @@ class GeometryBuilder {
   bool place_copy(size_t mesh, const glm::dmat4& to_world, uint32_t place) {
     const Stored& stored = stored_[mesh];
     if (stored.mesh.triangle_count == 0) return false;
-    const auto copy = place_mesh(stored.mesh, stored.extent, to_world, place);
+    const auto copy =
+        place_mesh(stored.mesh, stored.extent, glm::translate(to_world, forms_[mesh].origin), place);
     if (copy) scene_.instances.push_back(*copy);
     return copy.has_value();
   }
 
   Document& document_;
   Scene& scene_;
-  const std::vector<const MeshPose*>& poses_;
+  const std::vector<SharedForm>& forms_;
   Tally tally_;
   std::vector<Stored> stored_;  // by mesh of the file
 };
 
 }  // namespace
 
-void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, uint64_t sharing_gain,
-                  Scene& scene) {
-  std::vector<PlacedNode> places = place_meshes(document, nodes);
-  pose_meshes(document, nodes, places);
+void add_geometry(Document& document, const std::vector<PlacedNode>& places, const std::vector<Box>& boxes,
+                  uint64_t sharing_gain, Scene& scene) {
   warn_of_skipped(document, places);
-  const std::vector<const MeshPose*> poses = poses_to_share(document, places);
-  GeometryBuilder builder(document, scene, poses);
-  builder.store_shared_meshes(choose_shared_meshes(document, places, poses, sharing_gain));
+  const std::vector<SharedForm> forms = forms_to_share(document, places, boxes);
+  GeometryBuilder builder(document, scene, forms);
+  builder.store_shared_meshes(choose_shared_meshes(document, places, forms, sharing_gain));
   builder.store_places(places);
   complete_colors(scene);
   if (!scene.vertex_uvs.empty()) scene.vertex_uvs.resize(scene.vertices.size(), glm::vec2(0));

@@ -5,15 +5,17 @@
 
 #include "scene/document.hpp"
 #include "scene/nodes.hpp"
+#include "scene/origin.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
 
-/// Adds the triangles of all placed meshes to `scene`, and the copies of those meshes that are stored once:
-/// together they save at least `sharing_gain` bytes (see LoadOptions). Triangle::material is the glTF index,
-/// or model.materials.size() for primitives without a material.
+/// Adds the triangles of meshes at their places to `scene`, and the copies of those meshes that are stored
+/// once: together they save at least `sharing_gain` bytes (see LoadOptions). `boxes` are around the meshes in
+/// their own spaces (PlacedBoxes::meshes). Triangle::material is the glTF index, or model.materials.size()
+/// for primitives without a material.
 /// @throws Error on broken primitives, non-finite positions, and scenes that do not fit into memory.
-void add_geometry(Document& document, const std::vector<PlacedNode>& nodes, uint64_t sharing_gain,
-                  Scene& scene);
+void add_geometry(Document& document, const std::vector<PlacedNode>& places, const std::vector<Box>& boxes,
+                  uint64_t sharing_gain, Scene& scene);
 
 }  // namespace regulus::scene

@@ -12,7 +12,9 @@
 #include "scene/instancing.hpp"
 #include "scene/material.hpp"
 #include "scene/nodes.hpp"
+#include "scene/origin.hpp"
 #include "scene/placement.hpp"
+#include "scene/pose.hpp"
 #include "scene/punctual.hpp"
 #include "scene/scene.hpp"
 #include "scene/schema.hpp"
@@ -94,15 +96,24 @@ void set_bounds(Scene& scene) {
   }
 }
 
-Inventory take_inventory(const Document& document, const std::vector<PlacedNode>& nodes) {
+Inventory take_inventory(const Document& document, size_t places) {
   Inventory inventory;
   inventory.meshes = document.model.meshes.size();
-  inventory.instances = place_meshes(document, nodes).size();
+  inventory.instances = places;
   inventory.images = document.images.size();
   inventory.variants = variant_names(document);
   for (const std::string& name : document.extensions_used())
     (is_known_extension(name) ? inventory.extensions_read : inventory.extensions_ignored).push_back(name);
   return inventory;
+}
+
+glm::dvec3 choose_scene_origin(Document& document, const std::vector<PlacedNode>& places,
+                               const PlacedBoxes& boxes) {
+  const Box box = boxes.all();
+  require_fitting_extent(document, box);
+  const glm::dvec3 origin = choose_origin(box);
+  warn_of_rounding(document, places, boxes, origin);
+  return origin;
 }
 
 /// The options that make another scene of the same files.
@@ -119,20 +130,32 @@ std::string describe(const LoadOptions& options) {
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
   Document document = open_document(path, options.allow_external);
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
-  const std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
+  std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
   const std::string variant = asked_variant(document, scene_index, options);
   if (!variant.empty()) choose_variant(document, variant);
 
   Scene scene;
   scene.path = path;
-  add_geometry(document, nodes, options.sharing_gain, scene);
+  std::vector<PlacedNode> places = place_meshes(document, nodes);
+  pose_meshes(document, nodes, places);
+  const PlacedBoxes boxes(document, places);
+  const double extent = boxes.all().extent();
+  scene.origin = choose_scene_origin(document, places, boxes);
+  take_off(scene.origin, nodes);
+  take_off(scene.origin, places);
+  add_geometry(document, places, boxes.meshes(), options.sharing_gain, scene);
+  if (scene.triangles.empty() && extent > 0)
+    document.fail(fmt::format(
+        "nothing to render: no triangle has an area that single precision can compute with, in a scene "
+        "{:.3g} units wide; scale it up",
+        extent));
   if (scene.triangles.empty())
     document.fail("nothing to render: the scene has no triangle; choose another scene or file");
   set_bounds(scene);
   add_materials(document, scene);
   add_punctual_lights(document, nodes, scene);
   add_cameras(document, nodes, scene);
-  scene.inventory = take_inventory(document, nodes);
+  scene.inventory = take_inventory(document, places.size());
   scene.inventory.has_cameras = !scene.cameras.empty();
   if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
   read_resolution(document, scene);

@@ -395,15 +395,34 @@ void add_size(const Document& document, const PrimitiveToStore& instance, Size& 
   size.has_colors = size.has_colors || attributes.count("COLOR_0") != 0;
 }
 
-bool fits_untransformed(const Document& document, const std::vector<PrimitiveToStore>& primitives) {
+Box primitive_box(const Document& document, const PrimitiveToStore& primitive) {
+  const tinygltf::Primitive& source = primitive_of(document, primitive);
+  Box box;
+  if (!is_drawn(source)) return box;
+  const MorphedAttribute positions = *attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3);
+  std::vector<glm::dmat4> skinned;
+  SkinTally ignored;
+  if (primitive.pose != nullptr && primitive.pose->joints && has_joints(source))
+    skinned = skin_vertices(document, source, *primitive.pose->joints, positions.count(),
+                            instance_name(document, primitive), ignored);
+  for (uint64_t i = 0; i < positions.count(); ++i) {
+    const glm::dmat4& to_world = skinned.empty() ? primitive.to_world : skinned[i];
+    const glm::dvec3 position(to_world * glm::dvec4(positions.vec3_at(i), 1.0));
+    // What is not finite is an error where a triangle uses it.
+    if (std::isfinite(position.x + position.y + position.z)) box.add(position);
+  }
+  return box;
+}
+
+bool fits_as_shared(const Document& document, const std::vector<PrimitiveToStore>& primitives) {
   for (const PrimitiveToStore& primitive : primitives) {
     const MorphedAttribute positions = *attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3);
     const uint64_t triangles = TriangleList(document, primitive, positions.count()).size();
     if (positions.count() > std::max(3 * triangles, MANY_VERTICES)) return false;
     for (uint64_t i = 0; i < positions.count(); ++i) {
-      const glm::vec3 p = positions.vec3_at(i);
+      const glm::dvec3 p = glm::dvec3(positions.vec3_at(i)) + glm::dvec3(primitive.to_world[3]);
       for (int axis = 0; axis < 3; ++axis)
-        if (!(std::fabs(p[axis]) <= MAX_COORDINATE)) return false;
+        if (!(std::fabs(p[axis]) <= double{MAX_COORDINATE})) return false;
     }
   }
   return true;

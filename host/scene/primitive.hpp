@@ -6,12 +6,14 @@
 #include <vector>
 
 #include "scene/document.hpp"
+#include "scene/origin.hpp"
 #include "scene/pose.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
 
-/// A primitive to store, in world space or (then the transform is the identity) in that of its mesh.
+/// A primitive to store, in world space or (then the transform only moves it near its origin) in that of its
+/// mesh.
 struct PrimitiveToStore {
   size_t mesh;
   size_t primitive;
@@ -34,6 +36,10 @@ struct Tally {
 /// True for primitives that have triangles.
 bool is_drawn(const tinygltf::Primitive& primitive);
 
+/// A box around the finite vertices of a primitive where it is placed; empty if it is not drawn.
+/// @throws Error if its accessors are broken
+Box primitive_box(const Document& document, const PrimitiveToStore& primitive);
+
 /// What primitives take, by their accessors' headers.
 struct Size {
   uint64_t triangles = 0, vertices = 0;
@@ -49,9 +55,9 @@ struct Size {
 /// @throws Error if its accessors are broken.
 void add_size(const Document& document, const PrimitiveToStore& primitive, Size& size);
 
-/// Whether primitives can be stored in their mesh's space: not with coordinates that only a transform makes
+/// Whether primitives can be stored in their mesh's space: not with coordinates that only their places make
 /// fit, nor with millions of vertices that no triangle uses.
-bool fits_untransformed(const Document& document, const std::vector<PrimitiveToStore>& primitives);
+bool fits_as_shared(const Document& document, const std::vector<PrimitiveToStore>& primitives);
 
 /// Appends the primitive's triangles to the scene.
 /// @throws Error as add_geometry()

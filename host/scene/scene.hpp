@@ -1,5 +1,6 @@
-// The renderer's own scene: world-space geometry and meshes with their copies, materials, textures, lights
-// and cameras, in the structs that kernels and the scalar reference read (shaders/interface/scene.h).
+// The renderer's own scene: geometry in a frame near it (Scene::origin) and meshes with their copies,
+// materials, textures, lights and cameras, in the structs that kernels and the scalar reference read
+// (shaders/interface/scene.h).
 #pragma once
 
 #include <cstdint>
@@ -53,6 +54,9 @@ interface::Material untextured_material();
 /// triangle has zero area (they are dropped with a warning).
 struct Scene {
   std::filesystem::path path;
+  /// Where the frame of all that follows stands in the file's world: 0 for scenes near its origin
+  /// (scene/origin.hpp). World position = origin + position.
+  glm::dvec3 origin{0};
   std::vector<interface::Vertex> vertices;
   std::vector<glm::vec4> vertex_colors;    ///< one per vertex, linear RGBA in [0, 1]; empty: all white
   std::vector<glm::vec2> vertex_uvs;       ///< one per vertex: second texture coordinates; empty: not needed

@@ -40,7 +40,7 @@ image::Channels surface_channels(const PreparedScene& prepared, render::RenderSe
   settings.aovs = render::SURFACE_AOVS;
   render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
   image::Channels channels;
-  render::add_surface_channels(renderer.surface_aovs(), settings.aovs, channels);
+  render::add_surface_channels(renderer.surface_aovs(), settings.aovs, prepared.scene.origin, channels);
   return channels;
 }
 
