@@ -28,6 +28,7 @@ struct InspectOptions {
   std::string scene_file, json, variant;
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
+  bool is_strict = false;
 };
 
 /// The settings a plain `regulus render` of the scene would use.
@@ -148,9 +149,10 @@ Json in_world(const scene::Scene& scene, const glm::vec3& point) {
 }
 
 Json inspect(const InspectOptions& options) {
-  scene::Scene scene = scene::load(
-      options.scene_file,
-      {.scene = options.scene_index, .allow_external = options.allow_external, .variant = options.variant});
+  scene::Scene scene = scene::load(options.scene_file, {.scene = options.scene_index,
+                                                        .allow_external = options.allow_external,
+                                                        .is_strict = options.is_strict,
+                                                        .variant = options.variant});
   const render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const scene::Features features = scene::find_features(scene);
@@ -251,6 +253,7 @@ void add_inspect_command(CLI::App& app) {
   command->add_option("--json", options->json, "Write everything to this file");
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");
+  command->add_flag("--strict", options->is_strict, STRICT_HELP);
   command->callback([options] {
     const Json scene = inspect(*options);
     if (!options->json.empty())

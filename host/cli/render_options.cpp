@@ -61,26 +61,13 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
                                                         {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
-const std::set<std::string> COMMAND_LINE_ONLY = {"output",
-                                                 "png",
-                                                 "stats",
-                                                 "strategy-images",
-                                                 "device",
-                                                 "scene",
-                                                 "allow-external",
-                                                 "quiet",
-                                                 "verbose",
-                                                 "help",
-                                                 "wave",
-                                                 "backend",
-                                                 "env",
-                                                 "variant",
-                                                 "env-rotation",
-                                                 "env-scale",
-                                                 "samples",
-                                                 "checkpoint",
-                                                 "checkpoint-seconds",
-                                                 "resume"};
+const std::set<std::string> COMMAND_LINE_ONLY = {
+    "output",    "png",     "stats",          "strategy-images",
+    "device",    "scene",   "allow-external", "strict",
+    "quiet",     "verbose", "help",           "wave",
+    "backend",   "env",     "variant",        "env-rotation",
+    "env-scale", "samples", "checkpoint",     "checkpoint-seconds",
+    "resume"};
 
 glm::uvec2 parse_size(const std::string& text) {
   glm::uvec2 size{0};
@@ -363,6 +350,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->needs("--checkpoint");
   command.add_flag("--allow-external", options.allow_external,
                    "Let the scene refer to files outside its folder");
+  command.add_flag("--strict", options.is_strict, STRICT_HELP);
   command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
   command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
 }
@@ -370,6 +358,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
 scene::LoadOptions load_options(const RenderOptions& options) {
   return {.scene = options.scene_index,
           .allow_external = options.allow_external,
+          .is_strict = options.is_strict,
           .environment = {options.environment, options.environment_rotation, options.environment_scale},
           .variant = options.variant};
 }

@@ -11,6 +11,9 @@
 
 namespace regulus::cli {
 
+inline constexpr const char* STRICT_HELP =
+    "Refuse faults of the scene's files that otherwise are mended with a warning";
+
 /// What the command line of `render` says, before the scene is known.
 struct RenderOptions {
   std::string scene_file;
@@ -46,6 +49,7 @@ struct RenderOptions {
   std::optional<double> environment_rotation, environment_scale;
   bool has_no_sample_limit = false;  ///< render until the time or the noise is reached
   bool allow_external = false;
+  bool is_strict = false;
   bool is_quiet = false, is_verbose = false;
   render::RenderSettings settings;
 };

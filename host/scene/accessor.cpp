@@ -71,6 +71,7 @@ AccessorReader::AccessorReader(const Document& document, int accessor, int type,
     : accessor_index_(static_cast<uint64_t>(accessor)) {
   const tinygltf::Accessor& source = document.model.accessors.at(accessor_index_);
   element_ = fmt::format("{} (accessor {})", element, accessor);
+  document.require_whole("accessors", accessor_index_, element);
   if (source.type != type)
     document.fail(fmt::format("{} has the wrong type; export the file again", element_));
   component_type_ = source.componentType;

@@ -110,6 +110,37 @@ void check_extensions(Document& document) {
     if (!is_known_extension(name)) document.warn(fmt::format("extension {} is not read", name));
 }
 
+/// Indices without a buffer view, for which zeros stand (or what Draco decodes), are refused by tinygltf:
+/// they are lent one. @returns their accessors, from which it is to be taken again.
+std::vector<size_t> lend_views(json& reduced) {
+  std::vector<size_t> borrowers;
+  if (!reduced.contains("meshes")) return borrowers;
+  json& views = reduced.emplace("bufferViews", json::array()).first.value();
+  for (const json& mesh : reduced["meshes"]) {
+    const auto primitives = mesh.find("primitives");
+    if (primitives == mesh.end()) continue;
+    for (const json& primitive : *primitives) {
+      const auto indices = primitive.find("indices");
+      if (indices == primitive.end()) continue;
+      json& accessor = reduced["accessors"][indices->get<size_t>()];
+      if (accessor.contains("bufferView")) continue;
+      accessor["bufferView"] = views.size();
+      borrowers.push_back(indices->get<size_t>());
+    }
+  }
+  views.push_back({{"buffer", 0}, {"byteLength", 0}});
+  return borrowers;
+}
+
+/// A buffer that only announces the size of what compressed views decode to.
+bool is_fallback(const json& buffer) {
+  const auto extensions = buffer.find("extensions");
+  return extensions != buffer.end() &&
+         std::any_of(MESHOPT_EXTENSIONS.begin(), MESHOPT_EXTENSIONS.end(), [&](const char* name) {
+           return extensions->contains(name) && (*extensions)[name].contains("fallback");
+         });
+}
+
 tinygltf::Model to_model(json reduced, const Document& document) {
   // Buffers and images are read by Files, under our own rules of which paths may be opened; tinygltf refuses
   // skins without inverse bind matrices, which are valid.
@@ -133,27 +164,55 @@ tinygltf::Model to_model(json reduced, const Document& document) {
   return model;
 }
 
+/// The bytes of a buffer; those that there are, where it declares more.
+ByteSpan read_buffer(Document& document, const json& buffer, size_t index, std::optional<ByteSpan> binary) {
+  const std::string element = fmt::format("buffer {}", index);
+  ByteSpan bytes;
+  if (is_fallback(buffer)) {
+    document.broken[{"buffers", index}] =
+        element + " stands for what compressed views decode to; export it again";
+    return {};
+  }
+  if (buffer.contains("uri")) {
+    document.storage.push_back(document.read_uri(buffer["uri"].get<std::string>(), element));
+    bytes = document.storage.back();
+  } else if (index == 0 && binary) {
+    bytes = *binary;
+  } else {
+    // Nothing is wrong with it until something reads it.
+    document.broken[{"buffers", index}] =
+        element + " has no uri, nor is the file a .glb that holds it; export the file again";
+    return {};
+  }
+  const uint64_t length = buffer.value("byteLength", uint64_t{bytes.size()});
+  if (length > bytes.size())
+    document.mend(fmt::format("{} declares {} bytes but has {}; copy or export the file again", element,
+                              length, bytes.size()),
+                  "what needs the others is left out");
+  return bytes.first(std::min<uint64_t>(length, bytes.size()));
+}
+
 void read_buffers(Document& document, const json& reduced, std::optional<ByteSpan> binary) {
   const auto buffers = reduced.find("buffers");
   if (buffers == reduced.end()) return;
   for (size_t i = 0; i < buffers->size(); ++i) {
-    const json& buffer = (*buffers)[i];
-    const std::string element = fmt::format("buffer {}", i);
-    ByteSpan bytes;
-    if (buffer.contains("uri")) {
-      document.storage.push_back(document.files.read_uri(buffer["uri"].get<std::string>(), element));
-      bytes = document.storage.back();
-    } else if (i == 0 && binary) {
-      bytes = *binary;
+    document.buffers.emplace_back();
+    if (document.broken.contains({"buffers", i})) continue;
+    try {
+      document.buffers.back() = read_buffer(document, (*buffers)[i], i, binary);
+    } catch (const Error& error) {
+      document.mark_broken({"buffers", i, message_of(error, document.files.scene_file())});
     }
-    uint64_t length = buffer.value("byteLength", uint64_t{0});
-    // Only announces the size of what the compressed views decode to.
-    if (bytes.empty() && buffer.contains(json::json_pointer("/extensions/EXT_meshopt_compression/fallback")))
-      length = 0;
-    if (length > bytes.size())
-      document.fail(fmt::format("{} declares {} bytes but has {}; copy or export the file again", element,
-                                length, bytes.size()));
-    document.buffers.push_back(bytes.first(length));
+  }
+}
+
+/// Elements that gave way to stand-ins are mended.
+void mend_broken(Document& document, const std::vector<BrokenElement>& elements) {
+  for (const BrokenElement& element : elements) {
+    document.mark_broken(element);
+    const bool has_triangles =
+        element.array == "primitives" || element.array == "meshes" || element.array == "nodes";
+    if (has_triangles && document.first_loss.empty()) document.first_loss = element.fault;
   }
 }
 
@@ -164,13 +223,51 @@ std::vector<std::string> Document::extensions_used() const {
 }
 
 void Document::warn(const std::string& message) {
-  if (std::find(warnings.begin(), warnings.end(), message) == warnings.end()) warnings.push_back(message);
+  if (std::find(warnings.begin(), warnings.end(), message) != warnings.end()) return;
+  if (warnings.size() < MAX_WARNINGS)
+    warnings.push_back(message);
+  else
+    ++unsaid_warnings;
+}
+
+void Document::mend(const std::string& fault, const std::string& shown) {
+  if (is_strict) fail(fault);
+  warn(fmt::format("{} ({})", fault, shown));
+}
+
+void Document::mend(const Error& error, const std::string& shown) {
+  mend(message_of(error, files.scene_file()), shown);
+}
+
+void Document::leave_out(const Error& error) {
+  const std::string fault = message_of(error, files.scene_file());
+  if (first_loss.empty()) first_loss = fault;
+  mend(fault, "left out");
+}
+
+Bytes Document::read_uri(const std::string& uri, const std::string& element) {
+  Files::Content content = files.read_uri(uri, element);
+  if (!content.fault.empty()) mend(content.fault, "read as if it were");
+  return std::move(content.bytes);
+}
+
+void Document::mark_broken(const BrokenElement& element) {
+  mend(element.fault, std::string(shown_instead(element.array)));
+  broken[{element.array, element.index}] = element.fault;
+}
+
+void Document::require_whole(const char* array, size_t index, const std::string& user) const {
+  const auto found = broken.find({array, index});
+  if (found != broken.end()) fail(fmt::format("{}: {}", user, found->second));
 }
 
 std::span<const unsigned char> Document::view(int buffer_view, const std::string& element) const {
   const auto decoded = decoded_views.find(buffer_view);
   if (decoded != decoded_views.end()) return decoded->second;
-  const tinygltf::BufferView& view = model.bufferViews.at(static_cast<size_t>(buffer_view));
+  const auto index = static_cast<size_t>(buffer_view);
+  require_whole("bufferViews", index, element);
+  const tinygltf::BufferView& view = model.bufferViews.at(index);
+  require_whole("buffers", static_cast<size_t>(view.buffer), element);
   const ByteSpan buffer = buffers.at(static_cast<size_t>(view.buffer));
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
     fail(fmt::format(
@@ -179,8 +276,9 @@ std::span<const unsigned char> Document::view(int buffer_view, const std::string
   return buffer.subspan(view.byteOffset, view.byteLength);
 }
 
-Document open_document(const std::filesystem::path& path, bool allow_external) {
-  Document document{Files(path, allow_external), {}, {}, {}, {}, {}, {}, {}, {}, {}};
+Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict) {
+  Document document(Files(path, allow_external));
+  document.is_strict = is_strict;
   document.storage.push_back(document.files.read_scene());
   const ByteSpan bytes = document.storage.back();
   Container container{bytes, std::nullopt};
@@ -190,14 +288,16 @@ Document open_document(const std::filesystem::path& path, bool allow_external) {
   check_asset(document.json, path);
   check_extensions(document);
   json reduced = document.json;
-  check_and_reduce(reduced, path);
+  mend_broken(document, check_and_reduce(reduced, path));
   read_buffers(document, reduced, container.binary);
   document.images = reduced.value("images", json::array());
   document.skins = reduced.value("skins", json::array());
   decode_meshopt_views(document, reduced);
-  complete_draco_accessors(reduced);
   convert_specular_glossiness(reduced);
-  document.model = to_model(reduced, document);
+  json lent = reduced;
+  const std::vector<size_t> borrowers = lend_views(lent);
+  document.model = to_model(std::move(lent), document);
+  for (const size_t accessor : borrowers) document.model.accessors[accessor].bufferView = -1;
   decode_draco_primitives(document, reduced);
   return document;
 }

@@ -1,4 +1,4 @@
-// complete_draco_accessors, decode_draco_primitives.
+// decode_draco_primitives.
 #include <draco/compression/decode.h>
 #include <fmt/core.h>
 
@@ -109,18 +109,6 @@ const json::json_pointer EXTENSION("/extensions/KHR_draco_mesh_compression");
 
 }  // namespace
 
-void complete_draco_accessors(json& reduced) {
-  if (!reduced.contains("meshes")) return;
-  for (json& mesh : reduced["meshes"])
-    for (json& primitive : mesh.value("primitives", json::array())) {
-      if (!primitive.contains(EXTENSION) || !primitive.contains("indices")) continue;
-      json& accessor = reduced["accessors"][primitive["indices"].get<size_t>()];
-      const json& extension = primitive[EXTENSION];
-      if (!accessor.contains("bufferView") && extension.contains("bufferView"))
-        accessor["bufferView"] = extension["bufferView"];
-    }
-}
-
 void decode_draco_primitives(Document& document, const json& reduced) {
   auto& meshes = document.model.meshes;
   for (size_t m = 0; m < meshes.size(); ++m)
@@ -129,7 +117,12 @@ void decode_draco_primitives(Document& document, const json& reduced) {
       if (!primitive.contains(EXTENSION)) continue;
       const std::string element = fmt::format("{} primitive {} KHR_draco_mesh_compression",
                                               element_name("mesh", m, meshes[m].name), p);
-      decode_primitive(document, meshes[m].primitives[p], primitive[EXTENSION], element);
+      try {
+        decode_primitive(document, meshes[m].primitives[p], primitive[EXTENSION], element);
+      } catch (const Error& error) {
+        document.leave_out(error);
+        meshes[m].primitives[p].attributes.clear();
+      }
     }
 }
 

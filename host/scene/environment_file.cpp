@@ -98,7 +98,12 @@ std::optional<Environment> read_environment(Document& document, const json* extr
     if (!file->is_string()) document.fail(fmt::format("{}.file is not a string; name a file", ELEMENT));
     const auto uri = file->get<std::string>();
     const std::string name = uri.starts_with("data:") ? ELEMENT : uri;
-    return read_map(document, document.files.read_uri(uri, ELEMENT), name, rotation, scale);
+    try {
+      return read_map(document, document.read_uri(uri, ELEMENT), name, rotation, scale);
+    } catch (const Error& error) {
+      document.mend(error, "no environment of its own");
+      return std::nullopt;
+    }
   }
   if (const auto color = source.find("color"); color != source.end())
     return uniform_environment(color_of(document, *color, scale));

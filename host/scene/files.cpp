@@ -8,8 +8,6 @@
 #include <fstream>
 #include <utility>
 
-#include "base/error.hpp"
-
 namespace regulus::scene {
 namespace fs = std::filesystem;
 
@@ -36,6 +34,16 @@ bool is_below(const fs::path& path, const fs::path& folder) {
   return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
 }
 
+bool is_file(const fs::path& path) {
+  std::error_code ignored;
+  return fs::is_regular_file(path, ignored);
+}
+
+std::string with_slashes(std::string path) {
+  std::replace(path.begin(), path.end(), '\\', '/');
+  return path;
+}
+
 /// The base64 payload of a data URI, whatever its media type.
 Bytes decode_data_uri(const std::string& uri, const fs::path& file, const std::string& element) {
   const size_t comma = uri.find(',');
@@ -45,7 +53,8 @@ Bytes decode_data_uri(const std::string& uri, const fs::path& file, const std::s
     fail(file,
          element + ": the data URI is not base64; write it as data:application/octet-stream;base64,...");
   // tinygltf knows a fixed list of media types; ours is the one it accepts for any content.
-  const std::string canonical = "data:application/octet-stream;base64," + uri.substr(comma + 1);
+  const std::string canonical =
+      "data:application/octet-stream;base64," + percent_decode(uri.substr(comma + 1));
   Bytes bytes;
   std::string media_type;
   if (comma + 1 < uri.size() && !tinygltf::DecodeDataURI(&bytes, media_type, canonical, 0, false))
@@ -57,6 +66,12 @@ Bytes decode_data_uri(const std::string& uri, const fs::path& file, const std::s
 
 void fail(const fs::path& file, const std::string& message) {
   throw Error(ExitStatus::BadFile, fmt::format("{}: {}", file.string(), message));
+}
+
+std::string message_of(const Error& error, const fs::path& file) {
+  const std::string message = error.what();
+  const std::string prefix = file.string() + ": ";
+  return message.starts_with(prefix) ? message.substr(prefix.size()) : message;
 }
 
 std::string percent_decode(const std::string& text) {
@@ -80,12 +95,8 @@ Bytes Files::read_scene() {
   return read_file(scene_file_, "");
 }
 
-Bytes Files::read_uri(const std::string& uri, const std::string& element) {
-  if (uri.rfind("data:", 0) == 0) return decode_data_uri(uri, scene_file_, element);
-  return read_file(resolve(uri, element), element);
-}
-
-fs::path Files::resolve(const std::string& uri, const std::string& element) const {
+Files::Content Files::read_uri(const std::string& uri, const std::string& element) {
+  if (uri.rfind("data:", 0) == 0) return {decode_data_uri(uri, scene_file_, element), {}};
   const std::string scheme = uri_scheme(uri);
   if (!scheme.empty())
     fail(scene_file_,
@@ -94,16 +105,31 @@ fs::path Files::resolve(const std::string& uri, const std::string& element) cons
   if (decoded.empty() || decoded.find('\0') != std::string::npos)
     fail(scene_file_, fmt::format("{}: empty or malformed URI; name a file beside the scene", element));
 
+  const fs::path as_written = locate(decoded, element);
+  if (is_file(as_written)) return {read_file(as_written, element), {}};
+  // What exporters write instead: names that nobody encoded, and Windows' separators.
+  for (const std::string& candidate : {uri, with_slashes(decoded), with_slashes(uri)}) {
+    const fs::path path = candidate == decoded ? as_written : locate(candidate, element);
+    if (!is_file(path)) continue;
+    return {read_file(path, element),
+            fmt::format("{}: '{}' is no URI of a file beside the scene; encode it, with / between folders",
+                        element, uri)};
+  }
+  return {read_file(as_written, element), {}};  // says why not
+}
+
+fs::path Files::locate(const std::string& relative, const std::string& element) const {
   const fs::path folder = scene_file_.has_parent_path() ? scene_file_.parent_path() : fs::path(".");
-  const fs::path path = folder / fs::path(decoded);
+  const fs::path path = folder / fs::path(relative);
   std::error_code error;
   const fs::path real_folder = fs::weakly_canonical(folder, error);
   fs::path real_path = error ? fs::path() : fs::weakly_canonical(path, error);
-  if (error) fail(scene_file_, fmt::format("{}: cannot resolve '{}': {}", element, decoded, error.message()));
+  if (error)
+    fail(scene_file_, fmt::format("{}: cannot resolve '{}': {}", element, relative, error.message()));
   if (!allow_external_ && !is_below(real_path, real_folder))
     fail(scene_file_,
          fmt::format("{}: '{}' lies outside the scene's folder; pass --allow-external to read it", element,
-                     decoded));
+                     relative));
   return real_path;
 }
 

@@ -7,12 +7,17 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
+
 namespace regulus::scene {
 
 using Bytes = std::vector<unsigned char>;
 
 /// Throws Error(BadFile) "file: message".
 [[noreturn]] void fail(const std::filesystem::path& file, const std::string& message);
+
+/// What an error says of a file, without the file's name.
+std::string message_of(const Error& error, const std::filesystem::path& file);
 
 class Files {
  public:
@@ -22,10 +27,17 @@ class Files {
   /// The scene file itself. @throws Error if it cannot be read.
   Bytes read_scene();
 
-  /// What a URI refers to: decodes `data:`, else reads the file below the scene's folder.
+  /// What a URI refers to.
+  struct Content {
+    Bytes bytes;
+    std::string fault;  ///< how the URI was understood, if it is not written as it should be; else empty
+  };
+
+  /// Decodes `data:`, else reads the file below the scene's folder. A file whose name stands in the URI
+  /// without being encoded, or with backslashes between its folders, is found too.
   /// @param element names the user of the URI in errors, e.g. "image 3".
   /// @throws Error if the URI is malformed, remote, outside the folder, or cannot be read.
-  Bytes read_uri(const std::string& uri, const std::string& element);
+  Content read_uri(const std::string& uri, const std::string& element);
 
   /// A file wherever it lies. @throws Error naming `element`, if it is not empty, and what is wrong.
   Bytes read_file(const std::filesystem::path& path, const std::string& element);
@@ -38,7 +50,8 @@ class Files {
   const std::filesystem::path& scene_file() const { return scene_file_; }
 
  private:
-  std::filesystem::path resolve(const std::string& uri, const std::string& element) const;
+  /// The file that a relative path names. @throws Error if it lies outside the folder and may not.
+  std::filesystem::path locate(const std::string& relative, const std::string& element) const;
   void add_to_hash(const Bytes& bytes);
 
   std::filesystem::path scene_file_;

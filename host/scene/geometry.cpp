@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "base/error.hpp"
 #include "interface/bvh.h"
 #include "scene/material.hpp"
 #include "scene/placement.hpp"
@@ -142,6 +143,11 @@ std::vector<bool> choose_shared_meshes(const Document& document, const std::vect
   return is_shared;
 }
 
+template <typename T>
+void shorten(std::vector<T>& values, size_t size) {
+  values.resize(std::min(values.size(), size));
+}
+
 /// Stores primitives and places copies.
 class GeometryBuilder {
  public:
@@ -162,7 +168,7 @@ class GeometryBuilder {
       if (!is_shared[mesh]) continue;
       const auto first = static_cast<uint32_t>(scene_.triangles.size());
       for (const PrimitiveToStore& primitive : sharable_primitives(document_, mesh, forms_[mesh]))
-        store_primitive(document_, primitive, scene_, tally_);
+        store(primitive);
       const SharedMesh stored{first, static_cast<uint32_t>(scene_.triangles.size()) - first};
       if (stored.triangle_count == 0) continue;
       stored_[mesh] = {stored, extent_of(scene_, stored)};
@@ -183,7 +189,7 @@ class GeometryBuilder {
           rest.push_back({mesh, i, places[place].to_world, place, places[place].pose.get()});
     }
     require_memory(document_, rest, scene_);
-    for (const PrimitiveToStore& instance : rest) store_primitive(document_, instance, scene_, tally_);
+    for (const PrimitiveToStore& instance : rest) store(instance);
     if (!number_instances(scene_))
       document_.fail("more than 2^32 triangles with those of copies; reduce the scene");
   }
@@ -195,6 +201,23 @@ class GeometryBuilder {
     SharedMesh mesh{};
     MeshExtent extent{};
   };
+
+  /// What cannot be read is left out whole.
+  void store(const PrimitiveToStore& primitive) {
+    const size_t vertices = scene_.vertices.size();
+    const size_t triangles = scene_.triangles.size();
+    try {
+      store_primitive(document_, primitive, scene_, tally_);
+    } catch (const Error& error) {
+      document_.leave_out(error);
+      scene_.vertices.resize(vertices);
+      scene_.triangles.resize(triangles);
+      // These may end before the last vertex: only what is there.
+      shorten(scene_.vertex_colors, vertices);
+      shorten(scene_.vertex_uvs, vertices);
+      shorten(scene_.vertex_tangents, vertices);
+    }
+  }
 
   bool place_copy(size_t mesh, const glm::dmat4& to_world, uint32_t place) {
     const Stored& stored = stored_[mesh];
@@ -213,6 +236,18 @@ class GeometryBuilder {
 };
 
 }  // namespace
+
+void drop_unreadable(Document& document, const std::vector<PlacedNode>& places) {
+  std::vector<bool> is_seen(document.model.meshes.size(), false);
+  for (const PlacedNode& placed : places) {
+    const size_t mesh = mesh_index(document, placed);
+    if (is_seen[mesh]) continue;
+    is_seen[mesh] = true;
+    const auto& primitives = document.model.meshes[mesh].primitives;
+    for (size_t i = 0; i < primitives.size(); ++i)
+      if (is_drawn(primitives[i])) drop_unreadable(document, mesh, i);
+  }
+}
 
 void add_geometry(Document& document, const std::vector<PlacedNode>& places, const std::vector<Box>& boxes,
                   uint64_t sharing_gain, Scene& scene) {

@@ -10,6 +10,10 @@
 
 namespace regulus::scene {
 
+/// Drops, with a warning, what is broken of the meshes that are placed: attributes that a primitive can do without,
+/// or else the primitive. Call before anything else looks at them.
+void drop_unreadable(Document& document, const std::vector<PlacedNode>& places);
+
 /// Adds the triangles of meshes at their places to `scene`, and the copies of those meshes that are stored
 /// once: together they save at least `sharing_gain` bytes (see LoadOptions). `boxes` are around the meshes in
 /// their own spaces (PlacedBoxes::meshes). Triangle::material is the glTF index, or model.materials.size()

@@ -19,7 +19,7 @@ constexpr size_t MAX_PLACES = size_t{1} << 24;
 /// optional.
 class InstanceReader {
  public:
-  InstanceReader(const Document& document, size_t node, const tinygltf::Value& extension)
+  InstanceReader(Document& document, size_t node, const tinygltf::Value& extension)
       : document_(document),
         element_(element_name("node", node, document.model.nodes[node].name) + " EXT_mesh_gpu_instancing") {
     if (!extension.Has("attributes")) document.fail(element_ + " has no attributes; export the file again");
@@ -34,15 +34,19 @@ class InstanceReader {
   uint64_t count() const { return *count_; }
 
   /// Transform of instance i within its node. @throws Error if it is not finite.
-  glm::dmat4 at(uint64_t i) const {
+  glm::dmat4 at(uint64_t i) {
     glm::dmat4 transform(1.0);
     if (translation_) transform = glm::translate(transform, glm::dvec3(translation_->vec3_at(i)));
     if (rotation_) {
       const glm::dvec4 r(rotation_->vec4_at(i));
       const glm::dquat quaternion(r.w, r.x, r.y, r.z);
       const double length = glm::length(quaternion);
-      if (!(length > 0) || !std::isfinite(length)) refuse(i, "its rotation is not a quaternion");
-      transform *= glm::mat4_cast(quaternion / length);
+      if (length > 0 && std::isfinite(length))
+        transform *= glm::mat4_cast(quaternion / length);
+      else
+        document_.mend(
+            fmt::format("{}: instance {}: its rotation is not a quaternion; correct it", element_, i),
+            "not turned");
     }
     if (scale_) transform = glm::scale(transform, glm::dvec3(scale_->vec3_at(i)));
     for (int column = 0; column < 4; ++column)
@@ -66,7 +70,7 @@ class InstanceReader {
     document_.fail(fmt::format("{}: instance {}: {}; correct it", element_, i, what));
   }
 
-  const Document& document_;
+  Document& document_;
   std::string element_;
   std::optional<AccessorReader> translation_, rotation_, scale_;
   std::optional<uint64_t> count_;
@@ -74,17 +78,17 @@ class InstanceReader {
 
 }  // namespace
 
-std::vector<PlacedNode> place_meshes(const Document& document, const std::vector<PlacedNode>& nodes) {
+std::vector<PlacedNode> place_meshes(Document& document, const std::vector<PlacedNode>& nodes) {
   std::vector<PlacedNode> places;
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = document.model.nodes[placed.node];
-    if (node.mesh < 0) continue;
+    if (node.mesh < 0 || !placed.is_visible) continue;
     const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
     // The instances of a skinned mesh would all stand where its joints are.
     if (extension == node.extensions.end() || node.skin >= 0) {
       places.push_back(placed);
     } else {
-      const InstanceReader instances(document, placed.node, extension->second);
+      InstanceReader instances(document, placed.node, extension->second);
       if (instances.count() > MAX_PLACES - places.size())
         document.fail(fmt::format("more than {} instances in all; reduce the scene", MAX_PLACES));
       for (uint64_t i = 0; i < instances.count(); ++i)

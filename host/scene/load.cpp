@@ -127,8 +127,39 @@ std::string describe(const LoadOptions& options) {
   return text;
 }
 
+/// Why a scene without a triangle has none, and what to do. `extent` is that of its meshes.
+std::string cause_of_emptiness(const Document& document, const std::optional<size_t>& scene_index,
+                               const std::vector<PlacedNode>& nodes, double extent) {
+  if (!document.first_loss.empty()) return document.first_loss;
+  const size_t meshes = document.model.meshes.size();
+  if (meshes == 0) return "the file has no mesh; choose another file";
+  const auto has_mesh = [&](size_t node) { return document.model.nodes[node].mesh >= 0; };
+  const auto placed = static_cast<size_t>(
+      std::count_if(nodes.begin(), nodes.end(), [&](const PlacedNode& node) { return has_mesh(node.node); }));
+  const auto visible = std::count_if(nodes.begin(), nodes.end(), [&](const PlacedNode& node) {
+    return node.is_visible && has_mesh(node.node);
+  });
+  if (placed == 0) {
+    bool is_placed_elsewhere = false;
+    for (size_t i = 0; i < document.model.nodes.size(); ++i) is_placed_elsewhere |= has_mesh(i);
+    if (!is_placed_elsewhere || !scene_index)
+      return fmt::format("{} meshes, but no node places them; add nodes that do", meshes);
+    return fmt::format(
+        "{} meshes, but no node of scene {} places them; choose another with --scene, or list their nodes in "
+        "it",
+        meshes, *scene_index);
+  }
+  if (visible == 0)
+    return fmt::format("all {} nodes with a mesh are invisible (KHR_node_visibility); show one", placed);
+  if (extent > 0)
+    return fmt::format("no triangle has an area that single precision can compute with, in a scene {:.3g} units wide; scale it up",
+                       extent);
+  return fmt::format(
+      "{} meshes are placed, but they have no triangle with an area; choose another scene or file", placed);
+}
+
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
-  Document document = open_document(path, options.allow_external);
+  Document document = open_document(path, options.allow_external, options.is_strict);
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
   std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
   const std::string variant = asked_variant(document, scene_index, options);
@@ -137,6 +168,7 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   Scene scene;
   scene.path = path;
   std::vector<PlacedNode> places = place_meshes(document, nodes);
+  drop_unreadable(document, places);
   pose_meshes(document, nodes, places);
   const PlacedBoxes boxes(document, places);
   const double extent = boxes.all().extent();
@@ -144,13 +176,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   take_off(scene.origin, nodes);
   take_off(scene.origin, places);
   add_geometry(document, places, boxes.meshes(), options.sharing_gain, scene);
-  if (scene.triangles.empty() && extent > 0)
-    document.fail(fmt::format(
-        "nothing to render: no triangle has an area that single precision can compute with, in a scene "
-        "{:.3g} units wide; scale it up",
-        extent));
   if (scene.triangles.empty())
-    document.fail("nothing to render: the scene has no triangle; choose another scene or file");
+    document.fail("nothing to render: " + cause_of_emptiness(document, scene_index, nodes, extent));
   set_bounds(scene);
   add_materials(document, scene);
   add_punctual_lights(document, nodes, scene);
@@ -163,6 +190,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   scene.environment = read_environment(
       document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
   scene.warnings = document.warnings;
+  if (document.unsaid_warnings > 0)
+    scene.warnings.push_back(fmt::format("{} more warnings are left out", document.unsaid_warnings));
   document.files.add_text_to_hash(describe(options));
   scene.hash = document.files.hash();
   return scene;

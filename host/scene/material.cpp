@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/error.hpp"
 #include "scene/specular_glossiness.hpp"
 #include "scene/texture.hpp"
 #include "scene/uv_mapping.hpp"
@@ -28,6 +29,16 @@ constexpr uint32_t ALPHA_FLAGS = interface::MATERIAL_ALPHA_MASK | interface::MAT
 
 bool is_unlit(const tinygltf::Material& material) {
   return material.extensions.count("KHR_materials_unlit") != 0;
+}
+
+/// Which lobes the material can have: without dielectric reflection (see shaders/lib/bsdf.glsl: F_d = 0
+/// when specular is 0 or ior is 1), metal and transmission, Lambert is all.
+uint32_t classify(const interface::Material& material) {
+  if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
+  const bool can_be_metal = material.metallic > 0;  // the texture only scales it
+  const bool reflects = material.specular > 0 && material.ior != 1.0f;
+  return can_be_metal || reflects || material.clearcoat > 0 ? interface::MATERIAL_CLASS_OPAQUE
+                                                            : interface::MATERIAL_CLASS_DIFFUSE;
 }
 
 /// Converts one material; holds what all its steps need.
@@ -52,7 +63,6 @@ class MaterialBuilder {
     set_emission(material);
     set_coat_and_anisotropy(material);
     if (is_unlit(source_)) make_unlit(material);
-    material.material_class = classify(material);
     return material;
   }
 
@@ -78,7 +88,8 @@ class MaterialBuilder {
   float in_range(double value, double low, double high, const char* member) {
     const double clamped = std::clamp(value, low, high);
     if (clamped != value)
-      document_.warn(fmt::format("{}: {} {:g} is clamped to {:g}", name_, member, value, clamped));
+      document_.mend(fmt::format("{}: {} {:g} is out of range; correct it", name_, member, value),
+                     fmt::format("clamped to {:g}", clamped));
     return finite_float(document_, clamped, name_ + ": " + member);
   }
 
@@ -119,7 +130,9 @@ class MaterialBuilder {
     material.flags |= interface::MATERIAL_VOLUME;
     if (!volume->Has("attenuationDistance")) return;
     const double distance = number(volume, "attenuationDistance", 0);
-    if (!(distance > 0)) document_.fail(name_ + ": attenuationDistance must be greater than 0; correct it");
+    if (!(distance > 0))
+      return document_.mend(name_ + ": attenuationDistance must be greater than 0; correct it",
+                            "no absorption");
     const glm::dvec3 tint = color(volume, "attenuationColor");
     for (int i = 0; i < 3; ++i) {
       // A component of 0 would absorb infinitely fast; the smallest float is as black.
@@ -154,7 +167,8 @@ class MaterialBuilder {
     if (source_.alphaMode == "BLEND") material.flags |= interface::MATERIAL_ALPHA_BLEND;
     if (source_.alphaMode != "MASK" && source_.alphaMode != "BLEND" && source_.alphaMode != "OPAQUE" &&
         !source_.alphaMode.empty())
-      document_.warn(fmt::format("{}: alphaMode '{}' is not known: opaque", name_, source_.alphaMode));
+      document_.mend(fmt::format("{}: alphaMode '{}' is not known; correct it", name_, source_.alphaMode),
+                     "opaque");
   }
 
   void set_emission(interface::Material& material) {
@@ -178,16 +192,6 @@ class MaterialBuilder {
     if (material.emission != glm::vec3(0)) material.flags |= interface::MATERIAL_EMISSIVE;
   }
 
-  /// Which lobes the material can have: without dielectric reflection (see shaders/lib/bsdf.glsl: F_d = 0
-  /// when specular is 0 or ior is 1), metal and transmission, Lambert is all.
-  static uint32_t classify(const interface::Material& material) {
-    if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
-    const bool can_be_metal = material.metallic > 0;  // the texture only scales it
-    const bool reflects = material.specular > 0 && material.ior != 1.0f;
-    return can_be_metal || reflects || material.clearcoat > 0 ? interface::MATERIAL_CLASS_OPAQUE
-                                                              : interface::MATERIAL_CLASS_DIFFUSE;
-  }
-
   void ignored(const char* what) { document_.warn(fmt::format("{}: {} is not read", name_, what)); }
 
   Document& document_;
@@ -195,49 +199,69 @@ class MaterialBuilder {
   std::string name_;
 };
 
-/// Attaches the textures of one material.
+/// Attaches the textures of one material. Where one cannot be read, its factor alone stands for base colour,
+/// roughness and specular reflection; a texture that says where something is that most surfaces have nowhere
+/// (metal, light, transmission, a coat, anisotropy) leaves it out, since factors beside such textures are 1.
 class TextureSlots {
  public:
-  TextureSlots(TextureLoader& loader, const tinygltf::Material& source, const MaterialUvs& uvs)
-      : loader_(loader), source_(source), uvs_(uvs) {}
+  TextureSlots(Document& document, TextureLoader& loader, const tinygltf::Material& source,
+               const MaterialUvs& uvs)
+      : document_(document), loader_(loader), source_(source), uvs_(uvs) {}
 
   void attach(interface::Material& material) {
     const auto& pbr = source_.pbrMetallicRoughness;
     const TextureUse base_color = texture_use(pbr.baseColorTexture);
-    if ((material.flags & ALPHA_FLAGS) != 0) material.alpha_texture = load(base_color, TextureContent::Color);
+    if ((material.flags & ALPHA_FLAGS) != 0)
+      material.alpha_texture =
+          load(base_color, TextureContent::Color, "base colour and alpha by their factors");
     if (is_unlit(source_)) {
       if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
-        material.emissive_texture = load(base_color, TextureContent::Color);
+        material.emissive_texture = load(base_color, TextureContent::Color, "base colour by its factor");
       return;
     }
-    material.base_color_texture = load(base_color, TextureContent::Color);
+    material.base_color_texture = load(base_color, TextureContent::Color, "base colour by its factor");
     material.metallic_roughness_texture =
-        load(texture_use(pbr.metallicRoughnessTexture), {false, texture_glossiness(source_)});
-    material.normal_texture = load(texture_use(source_.normalTexture), TextureContent::Data);
-    if ((material.flags & interface::MATERIAL_EMISSIVE) != 0)
-      material.emissive_texture = load(texture_use(source_.emissiveTexture), TextureContent::Color);
+        load(texture_use(pbr.metallicRoughnessTexture), {false, texture_glossiness(source_)},
+             "roughness by its factor, no metal", &material.metallic);
+    material.normal_texture = load(texture_use(source_.normalTexture), TextureContent::Data, "no bumps");
+    if ((material.flags & interface::MATERIAL_EMISSIVE) != 0) attach_emission(material);
     attach_of_extensions(material);
   }
 
  private:
+  void attach_emission(interface::Material& material) {
+    float strength = 1;
+    material.emissive_texture =
+        load(texture_use(source_.emissiveTexture), TextureContent::Color, "no emission", &strength);
+    if (strength == 1) return;
+    material.emission = glm::vec3(0);
+    material.flags &= ~interface::MATERIAL_EMISSIVE;
+  }
+
   void attach_of_extensions(interface::Material& material) {
-    const auto data = [&](const char* extension, const char* member) {
-      return load(texture_use(source_, extension, member), TextureContent::Data);
+    const auto data = [&](const char* extension, const char* member, const char* shown,
+                          float* factor = nullptr) {
+      return load(texture_use(source_, extension, member), TextureContent::Data, shown, factor);
     };
     if (material.specular > 0) {
-      material.specular_texture = data("KHR_materials_specular", "specularTexture");
+      material.specular_texture = data("KHR_materials_specular", "specularTexture", "specular by its factor");
       material.specular_color_texture =
-          load(texture_use(source_, "KHR_materials_specular", "specularColorTexture"), TextureContent::Color);
+          load(texture_use(source_, "KHR_materials_specular", "specularColorTexture"), TextureContent::Color,
+               "specular colour by its factor");
     }
     if (material.transmission > 0)
-      material.transmission_texture = data("KHR_materials_transmission", "transmissionTexture");
+      material.transmission_texture = data("KHR_materials_transmission", "transmissionTexture",
+                                           "no transmission", &material.transmission);
     if (material.clearcoat > 0) {
-      material.clearcoat_texture = data("KHR_materials_clearcoat", "clearcoatTexture");
-      material.clearcoat_roughness_texture = data("KHR_materials_clearcoat", "clearcoatRoughnessTexture");
+      material.clearcoat_texture =
+          data("KHR_materials_clearcoat", "clearcoatTexture", "no clearcoat", &material.clearcoat);
+      material.clearcoat_roughness_texture = data("KHR_materials_clearcoat", "clearcoatRoughnessTexture",
+                                                  "the clearcoat's roughness by its factor");
       attach_coat_normals(material);
     }
     if (material.anisotropy > 0)
-      material.anisotropy_texture = data("KHR_materials_anisotropy", "anisotropyTexture");
+      material.anisotropy_texture =
+          data("KHR_materials_anisotropy", "anisotropyTexture", "no anisotropy", &material.anisotropy);
   }
 
   /// Without a normal map of its own the clearcoat has the vertices' normals, whatever the base has
@@ -248,15 +272,24 @@ class TextureSlots {
     if (of_coat.texture == of_base.texture && of_coat.mapping == of_base.mapping &&
         material.clearcoat_normal_scale == material.normal_scale)
       return;
-    material.clearcoat_normal_texture = load(of_coat, TextureContent::Data);
+    material.clearcoat_normal_texture = load(of_coat, TextureContent::Data, "no bumps of the clearcoat");
     if (material.clearcoat_normal_texture != INVALID_INDEX || material.normal_texture != INVALID_INDEX)
       material.flags |= interface::MATERIAL_COAT_NORMAL;
   }
 
-  uint32_t load(const TextureUse& use, TextureContent content) {
-    return use.texture < 0 ? INVALID_INDEX : loader_.load(use.texture, content, uvs_.placement(use.mapping));
+  /// @param shown what is shown if it cannot be read; @param factor becomes 0 then, unless it is null
+  uint32_t load(const TextureUse& use, TextureContent content, const char* shown, float* factor = nullptr) {
+    if (use.texture < 0) return INVALID_INDEX;
+    try {
+      return loader_.load(use.texture, content, uvs_.placement(use.mapping));
+    } catch (const Error& error) {
+      document_.mend(error, shown);
+      if (factor != nullptr) *factor = 0;
+      return INVALID_INDEX;
+    }
   }
 
+  Document& document_;
   TextureLoader& loader_;
   const tinygltf::Material& source_;
   MaterialUvs uvs_;
@@ -332,14 +365,17 @@ void add_materials(Document& document, Scene& scene) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();
     if (is_used[i])
-      TextureSlots(loader, sources[i], material_uvs(document, sources[i], name)).attach(material);
+      TextureSlots(document, loader, sources[i], material_uvs(document, sources[i], name)).attach(material);
+    material.material_class = classify(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);
   }
   if (is_used.back()) {
     tinygltf::Material standard;
     standard.emissiveFactor = {0, 0, 0};
-    scene.materials.push_back(MaterialBuilder(document, standard, "default material").build());
+    interface::Material material = MaterialBuilder(document, standard, "default material").build();
+    material.material_class = classify(material);
+    scene.materials.push_back(material);
     scene.material_names.emplace_back();
   }
   drop_needless_alpha(scene);

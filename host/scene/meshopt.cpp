@@ -20,13 +20,16 @@ struct CompressedView {
   std::string mode, filter;
 };
 
-CompressedView read_header(const Document& document, const json& view, const json& extension, size_t index) {
+CompressedView read_header(const Document& document, const json& view, const json& extension,
+                           std::string element) {
   CompressedView result;
-  result.element = fmt::format("buffer view {} EXT_meshopt_compression", index);
+  result.element = std::move(element);
   for (const char* member : {"buffer", "byteLength", "byteStride", "count", "mode"})
     if (!extension.contains(member))
       document.fail(fmt::format("{} has no {}; export the file again", result.element, member));
-  const auto& buffer = document.buffers.at(extension["buffer"].get<size_t>());
+  const auto source = extension["buffer"].get<size_t>();
+  document.require_whole("buffers", source, result.element);
+  const auto& buffer = document.buffers.at(source);
   const uint64_t offset = extension.value("byteOffset", uint64_t{0});
   const uint64_t length = extension["byteLength"].get<uint64_t>();
   if (offset > buffer.size() || length > buffer.size() - offset)
@@ -102,10 +105,17 @@ void decode_meshopt_views(Document& document, const json& reduced) {
   if (views == reduced.end()) return;
   for (size_t i = 0; i < views->size(); ++i) {
     const json& view = (*views)[i];
-    const json::json_pointer extension("/extensions/EXT_meshopt_compression");
-    if (!view.contains(extension)) continue;
-    document.storage.push_back(decode(document, read_header(document, view, view[extension], i)));
-    document.decoded_views[static_cast<int>(i)] = document.storage.back();
+    for (const char* name : MESHOPT_EXTENSIONS) {
+      const json::json_pointer extension(fmt::format("/extensions/{}", name));
+      if (!view.contains(extension)) continue;
+      const std::string element = fmt::format("buffer view {} {}", i, name);
+      try {
+        document.storage.push_back(decode(document, read_header(document, view, view[extension], element)));
+        document.decoded_views[static_cast<int>(i)] = document.storage.back();
+      } catch (const Error& error) {
+        document.mark_broken({"bufferViews", i, message_of(error, document.files.scene_file())});
+      }
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -13,15 +14,29 @@ std::string node_name(const Document& document, size_t node) {
   return element_name("node", node, document.model.nodes[node].name);
 }
 
-glm::dmat4 local_transform(const Document& document, size_t index) {
+// So far from 0 0 0 1 a matrix's last row is what rounding leaves, in single precision or in few decimal
+// digits.
+constexpr double MAX_ROUNDING_OF_ROW = 1e-5;
+
+/// Affine by specification: a projective row would make every position below it wrong.
+void make_affine(Document& document, size_t index, glm::dmat4& transform) {
+  double error = 0;
+  for (int column = 0; column < 4; ++column)
+    error = std::max(error, std::abs(transform[column][3] - (column == 3 ? 1 : 0)));
+  if (error == 0) return;
+  const std::string fault =
+      fmt::format("{}: last row of its matrix is not 0 0 0 1; correct it", node_name(document, index));
+  if (!(error <= MAX_ROUNDING_OF_ROW)) document.fail(fault);
+  document.mend(fault, fmt::format("off by {:g}, taken as rounding", error));
+  for (int column = 0; column < 4; ++column) transform[column][3] = column == 3 ? 1 : 0;
+}
+
+glm::dmat4 local_transform(Document& document, size_t index) {
   const tinygltf::Node& node = document.model.nodes[index];
   glm::dmat4 transform(1.0);
   if (!node.matrix.empty()) {
     for (int i = 0; i < 16; ++i) transform[i / 4][i % 4] = node.matrix[static_cast<size_t>(i)];
-    // Affine by specification; a projective row would make every position below it wrong.
-    if (transform[0][3] != 0 || transform[1][3] != 0 || transform[2][3] != 0 || transform[3][3] != 1)
-      document.fail(
-          fmt::format("{}: last row of its matrix is not 0 0 0 1; correct it", node_name(document, index)));
+    make_affine(document, index, transform);
     return transform;
   }
   if (!node.translation.empty())
@@ -29,10 +44,12 @@ glm::dmat4 local_transform(const Document& document, size_t index) {
   if (!node.rotation.empty()) {
     const glm::dquat rotation(node.rotation[3], node.rotation[0], node.rotation[1], node.rotation[2]);
     const double length = glm::length(rotation);
-    if (!(length > 0) || !std::isfinite(length))
-      document.fail(
-          fmt::format("{}: its rotation is not a quaternion; correct it", node_name(document, index)));
-    transform *= glm::mat4_cast(rotation / length);
+    if (length > 0 && std::isfinite(length))
+      transform *= glm::mat4_cast(rotation / length);
+    else
+      document.mend(
+          fmt::format("{}: its rotation is not a quaternion; correct it", node_name(document, index)),
+          "not turned");
   }
   if (!node.scale.empty()) transform = glm::scale(transform, {node.scale[0], node.scale[1], node.scale[2]});
   return transform;
@@ -43,6 +60,13 @@ bool is_finite(const glm::dmat4& matrix) {
     for (int row = 0; row < 4; ++row)
       if (!std::isfinite(static_cast<float>(matrix[column][row]))) return false;
   return true;
+}
+
+/// KHR_node_visibility of the node itself.
+bool is_shown(const tinygltf::Node& node) {
+  const auto extension = node.extensions.find("KHR_node_visibility");
+  return extension == node.extensions.end() || !extension->second.Has("visible") ||
+         extension->second.Get("visible").Get<bool>();
 }
 
 constexpr size_t NO_PARENT = static_cast<size_t>(-1);
@@ -104,7 +128,7 @@ std::optional<size_t> choose_scene(const Document& document, std::optional<uint3
   return document.model.defaultScene >= 0 ? static_cast<size_t>(document.model.defaultScene) : 0;
 }
 
-std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size_t> scene) {
+std::vector<PlacedNode> place_nodes(Document& document, std::optional<size_t> scene) {
   const std::vector<size_t> parents = find_parents(document);
   require_acyclic(document, parents);
 
@@ -124,14 +148,16 @@ std::vector<PlacedNode> place_nodes(const Document& document, std::optional<size
     if (!is_finite(to_world))
       document.fail(
           fmt::format("{}: its transform is not finite; correct it", node_name(document, top.node)));
-    placed.push_back({top.node, to_world});
-    const auto& children = document.model.nodes[top.node].children;
-    for (size_t i = children.size(); i-- > 0;) stack.push_back({static_cast<size_t>(children[i]), to_world});
+    const tinygltf::Node& node = document.model.nodes[top.node];
+    const bool is_visible = top.is_visible && is_shown(node);
+    placed.push_back({.node = top.node, .to_world = to_world, .is_visible = is_visible});
+    for (size_t i = node.children.size(); i-- > 0;)
+      stack.push_back({.node = static_cast<size_t>(node.children[i]), .to_world = to_world, .is_visible = is_visible});
   }
   return placed;
 }
 
-std::vector<glm::dmat4> node_transforms(const Document& document, const std::vector<PlacedNode>& placed) {
+std::vector<glm::dmat4> node_transforms(Document& document, const std::vector<PlacedNode>& placed) {
   const std::vector<size_t> parents = find_parents(document);
   std::vector<std::optional<glm::dmat4>> as_placed(parents.size());
   for (const PlacedNode& node : placed) as_placed[node.node] = node.to_world;

@@ -15,6 +15,17 @@ bool has_targets(const tinygltf::Mesh& mesh) {
                      [](const tinygltf::Primitive& primitive) { return !primitive.targets.empty(); });
 }
 
+/// Null, with a warning, if the skin is broken.
+std::shared_ptr<const JointMatrices> joints_of(Document& document, size_t skin,
+                                               const std::vector<glm::dmat4>& transforms) {
+  try {
+    return std::make_shared<const JointMatrices>(joint_matrices(document, skin, transforms));
+  } catch (const Error& error) {
+    document.mend(error, "its meshes stand where their nodes are");
+    return nullptr;
+  }
+}
+
 }  // namespace
 
 void pose_meshes(Document& document, const std::vector<PlacedNode>& nodes, std::vector<PlacedNode>& places) {
@@ -33,9 +44,7 @@ void pose_meshes(Document& document, const std::vector<PlacedNode>& nodes, std::
       document.warn(element_name("node", place.node, node.name) +
                     ": instances of a skinned mesh have no meaning; it is shown once");
     auto& joints = skins[node.skin];
-    if (node.skin >= 0 && !joints)
-      joints = std::make_shared<const JointMatrices>(
-          joint_matrices(document, static_cast<size_t>(node.skin), transforms));
+    if (node.skin >= 0 && !joints) joints = joints_of(document, static_cast<size_t>(node.skin), transforms);
     auto& pose = poses[{node.mesh, node.skin, weights}];
     if (!pose) pose = std::make_shared<const MeshPose>(MeshPose{weights, joints});
     place.pose = pose;

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/error.hpp"
 #include "scene/accessor.hpp"
 #include "scene/material.hpp"
 #include "scene/morph.hpp"
@@ -50,6 +51,16 @@ std::optional<MorphedAttribute> color_attribute(const Document& document, const 
   const int type = document.model.accessors.at(static_cast<size_t>(found->second)).type;
   return attribute(document, instance, "COLOR_0",
                    type == TINYGLTF_TYPE_VEC3 ? TINYGLTF_TYPE_VEC3 : TINYGLTF_TYPE_VEC4);
+}
+
+/// An attribute that a primitive can do without; nothing if it is none that is read.
+std::optional<MorphedAttribute> optional_attribute(const Document& document, const PrimitiveToStore& instance,
+                                                   const std::string& name) {
+  if (name == "COLOR_0") return color_attribute(document, instance);
+  if (name == "NORMAL") return attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3);
+  if (name == "TANGENT") return attribute(document, instance, "TANGENT", TINYGLTF_TYPE_VEC4);
+  if (name.starts_with("TEXCOORD_")) return attribute(document, instance, name, TINYGLTF_TYPE_VEC2);
+  return std::nullopt;
 }
 
 /// The corners of a primitive's triangles as indices into its vertices.
@@ -170,12 +181,7 @@ class PrimitiveBuilder {
   }
 
   void build() {
-    require_same_count(normals_);
-    require_same_count(uvs_);
-    require_same_count(second_uvs_);
-    require_same_count(colors_);
-    require_same_count(tangents_);
-    if (!uvs_ && material_uvs_.first.set != 0) warn_of_missing(material_uvs_.first.set);
+    if (!uvs_ && material_uvs_.has_textures) warn_of_missing(material_uvs_.first.set);
     if (!second_uvs_ && material_uvs_.second_set) warn_of_missing(*material_uvs_.second_set);
     if (triangles_.leftover() != 0)
       document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
@@ -209,8 +215,9 @@ class PrimitiveBuilder {
   }
 
   void warn_of_missing(int set) {
-    document_.warn(fmt::format("{} has no TEXCOORD_{}, which its material asks for",
-                               instance_name(document_, instance_), set));
+    document_.mend(fmt::format("{} has no TEXCOORD_{}, which its material asks for; export it",
+                               instance_name(document_, instance_), set),
+                   "all of it as its textures are at (0, 0)");
   }
 
   /// Tangents follow the coordinates of the normal texture. Those of a skinned mesh are made where its joints
@@ -219,12 +226,6 @@ class PrimitiveBuilder {
     const interface::Texture placement = material_uvs_.placement(material_uvs_.of_normals);
     add_tangents(scene_, first_vertex, first_triangle, placement,
                  glm::dmat3(skinned_.empty() ? instance_.to_world : glm::dmat4(1.0)));
-  }
-
-  void require_same_count(const std::optional<MorphedAttribute>& reader) const {
-    if (reader && reader->count() != positions_.count())
-      document_.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
-                                 reader->element(), reader->count(), positions_.count()));
   }
 
   glm::vec3 position(uint64_t i, const VertexFrame& frame) const {
@@ -380,6 +381,32 @@ class PrimitiveBuilder {
 };
 
 }  // namespace
+
+void drop_unreadable(Document& document, size_t mesh, size_t index) {
+  const PrimitiveToStore primitive{mesh, index, glm::dmat4(1.0), INVALID_INDEX};
+  tinygltf::Primitive& source = document.model.meshes[mesh].primitives[index];
+  try {
+    Size ignored;
+    add_size(document, primitive, ignored);
+  } catch (const Error& error) {
+    document.leave_out(error);
+    source.attributes.clear();
+    return;
+  }
+  const uint64_t vertices = attribute(document, primitive, "POSITION", TINYGLTF_TYPE_VEC3)->count();
+  for (auto entry = source.attributes.begin(); entry != source.attributes.end();) {
+    const std::string name = (entry++)->first;
+    try {
+      const auto reader = optional_attribute(document, primitive, name);
+      if (reader && reader->count() != vertices)
+        document.fail(fmt::format("{} has {} elements, POSITION has {}; export the file again",
+                                  reader->element(), reader->count(), vertices));
+    } catch (const Error& error) {
+      document.mend(error, "the primitive without it");
+      source.attributes.erase(name);
+    }
+  }
+}
 
 bool is_drawn(const tinygltf::Primitive& primitive) {
   return is_triangle_mode(primitive.mode) && primitive.attributes.count("POSITION") != 0;

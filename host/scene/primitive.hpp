@@ -33,6 +33,10 @@ struct Tally {
   SkinTally skin;
 };
 
+/// Drops, with a warning, what is broken of a primitive: an attribute that it can do without, or else all of
+/// its attributes, so that it is not drawn.
+void drop_unreadable(Document& document, size_t mesh, size_t index);
+
 /// True for primitives that have triangles.
 bool is_drawn(const tinygltf::Primitive& primitive);
 

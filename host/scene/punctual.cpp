@@ -118,6 +118,7 @@ SceneCamera make_scene_camera(Document& document, const PlacedNode& placed, size
 
 void add_punctual_lights(Document& document, const std::vector<PlacedNode>& nodes, Scene& scene) {
   for (const PlacedNode& placed : nodes) {
+    if (!placed.is_visible) continue;
     const auto& extensions = document.model.nodes[placed.node].extensions;
     const auto found = extensions.find("KHR_lights_punctual");
     if (found != extensions.end() && found->second.Has("light"))

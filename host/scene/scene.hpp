@@ -86,9 +86,9 @@ struct Scene {
 
 /// What a command line says of the environment; it wins over the scene.
 struct EnvironmentOptions {
-  std::filesystem::path file{};    ///< OpenEXR or Radiance, wherever it lies; empty: what the scene says
-  std::optional<double> rotation;  ///< degrees about +y, counterclockwise seen from above
-  std::optional<double> scale;     ///< factor on the radiance, >= 0
+  std::filesystem::path file{};      ///< OpenEXR or Radiance, wherever it lies; empty: what the scene says
+  std::optional<double> rotation{};  ///< degrees about +y, counterclockwise seen from above
+  std::optional<double> scale{};     ///< factor on the radiance, >= 0
 };
 
 /// Bytes that must be gained for copies of meshes to share one stored mesh: rays are slower through copies.
@@ -97,8 +97,9 @@ inline constexpr uint64_t SHARING_GAIN = uint64_t{64} << 20;
 inline constexpr uint64_t NEVER_SHARE = std::numeric_limits<uint64_t>::max();
 
 struct LoadOptions {
-  std::optional<uint32_t> scene;  ///< index; empty: the file's default scene
-  bool allow_external = false;    ///< URIs outside the scene's folder
+  std::optional<uint32_t> scene{};  ///< index; empty: the file's default scene
+  bool allow_external = false;      ///< URIs outside the scene's folder
+  bool is_strict = false;           ///< faults that could be mended with a warning are errors
   EnvironmentOptions environment{};
   uint64_t sharing_gain = SHARING_GAIN;  ///< bytes; 0: whatever is placed twice is shared
   /// Material variant by name; empty: what scenes[].extras.regulus says, else the file's own materials.

@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/error.hpp"
 #include "scene/files.hpp"
 
 namespace regulus::scene {
@@ -23,7 +24,7 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 17> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 19> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_instancing",
                                                                "EXT_meshopt_compression",
                                                                "EXT_texture_webp",
                                                                "KHR_draco_mesh_compression",
@@ -39,7 +40,9 @@ constexpr std::array<std::string_view, 17> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_ins
                                                                "KHR_mesh_quantization",
                                                                "KHR_texture_transform",
                                                                "KHR_materials_variants",
-                                                               "KHR_materials_pbrSpecularGlossiness"};
+                                                               "KHR_materials_pbrSpecularGlossiness",
+                                                               "KHR_meshopt_compression",
+                                                               "KHR_node_visibility"};
 
 enum class Kind {
   Index,          // non-negative integer below the length of the array `target`
@@ -133,6 +136,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"specularColorFactor", {Kind::Vector, {}, 3}},
       {"doubleSided", {Kind::Boolean}},
       {"normalized", {Kind::Boolean}},
+      {"visible", {Kind::Boolean}},
       {"type", {Kind::String}},
       {"name", {Kind::String}},
       {"uri", {Kind::String}},
@@ -220,6 +224,8 @@ class Checker {
     lengths_["variants"] = length_in_extension(document, "KHR_materials_variants", "variants");
   }
 
+  std::vector<BrokenElement>& broken() { return broken_; }
+
   /// @param extension the extension (or "normalTexture") whose members these are, or empty.
   void check_object(json& object, const std::string& path, std::string_view extension = {}) {
     for (const std::string_view name : IGNORED_MEMBERS) object.erase(std::string(name));
@@ -259,7 +265,10 @@ class Checker {
     switch (rule.kind) {
       case Kind::Index:
         // A sparse accessor's `indices` is an object.
-        if (key == "indices" && value.is_object()) return check_object(value, path);
+        if (key == "indices" && value.is_object()) {
+          check_object(value, path);
+          return require_whole(value, key, path);
+        }
         return check_index(value, rule.target, path);
       case Kind::IndexArray:
         if (key == "nodes" && path == "nodes") return check_objects(value, path);
@@ -303,7 +312,8 @@ class Checker {
       case Kind::Object:
         if (!value.is_object()) refuse(path, "an object");
         if (key == "extensions") return check_extensions(value, path);
-        return check_object(value, path, is_normal_texture(key) ? "normalTexture" : std::string_view());
+        check_object(value, path, is_normal_texture(key) ? "normalTexture" : std::string_view());
+        return require_whole(value, key, path);
       case Kind::ObjectArray:
         return check_objects(value, path);
     }
@@ -311,11 +321,33 @@ class Checker {
 
   void check_objects(json& array, const std::string& path) {
     if (!array.is_array()) refuse(path, "an array");
+    const std::string kind = kind_of(path);
+    const json* replacement = stand_in(kind);
     for (size_t i = 0; i < array.size(); ++i) {
       const std::string element = fmt::format("{}/{}", path, i);
-      if (!array[i].is_object()) refuse(element, "an object");
-      check_object(array[i], element);
+      try {
+        if (!array[i].is_object()) refuse(element, "an object");
+        check_object(array[i], element);
+        require_whole(array[i], kind, element);
+      } catch (const Error& error) {
+        if (replacement == nullptr) throw;
+        broken_.push_back({kind, i, message_of(error, file_)});
+        array[i] = *replacement;
+      }
     }
+  }
+
+  /// The array that a path ends at, as whole.hpp names it; empty for those of extensions that it does not
+  /// know.
+  static std::string kind_of(const std::string& path) {
+    if (path.starts_with("extensions/") && !path.starts_with("extensions/KHR_lights_punctual/")) return {};
+    return path.substr(path.rfind('/') + 1);
+  }
+
+  void require_whole(json& object, std::string_view kind, const std::string& path) const {
+    complete(kind, object);
+    const std::string missing = missing_part(kind, object);
+    if (!missing.empty()) refuse(path, "an object with " + missing);
   }
 
   void check_extensions(json& extensions, const std::string& path) {
@@ -353,6 +385,7 @@ class Checker {
 
   const std::filesystem::path& file_;
   std::map<std::string_view, size_t> lengths_;
+  std::vector<BrokenElement> broken_;
 };
 
 }  // namespace
@@ -383,8 +416,10 @@ void check_nesting(std::string_view text, const std::filesystem::path& file) {
   }
 }
 
-void check_and_reduce(nlohmann::json& document, const std::filesystem::path& file) {
-  Checker(document, file).check_object(document, "");
+std::vector<BrokenElement> check_and_reduce(nlohmann::json& document, const std::filesystem::path& file) {
+  Checker checker(document, file);
+  checker.check_object(document, "");
+  return std::move(checker.broken());
 }
 
 }  // namespace regulus::scene

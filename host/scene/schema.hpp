@@ -6,6 +6,9 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
+#include <vector>
+
+#include "scene/whole.hpp"
 
 namespace regulus::scene {
 
@@ -14,9 +17,12 @@ namespace regulus::scene {
 void check_nesting(std::string_view text, const std::filesystem::path& file);
 
 /// Removes `extras` and extensions that are not read, then checks the types, index ranges and lengths of all
-/// members that are. Integers written as 1.0 become integers.
-/// @throws Error(BadFile) that names the member by its JSON path, e.g. meshes/3/primitives/0/indices.
-void check_and_reduce(nlohmann::json& document, const std::filesystem::path& file);
+/// members that are. Integers written as 1.0 become integers. Elements with a member that is wrong give way
+/// to stand-ins, see whole.hpp.
+/// @returns the elements that gave way.
+/// @throws Error(BadFile) if what is wrong belongs to no element; it names the member by its JSON path, e.g.
+/// meshes/3/primitives/0/indices.
+std::vector<BrokenElement> check_and_reduce(nlohmann::json& document, const std::filesystem::path& file);
 
 /// Whether the loader reads the extension.
 bool is_known_extension(std::string_view name);

@@ -90,8 +90,9 @@ int64_t wrap(int64_t i, int64_t size, uint32_t mode) {
 uint32_t TextureLoader::load(int texture, TextureContent content, const interface::Texture& placement) {
   const glm::vec3 &u = placement.map_u, &v = placement.map_v;
   const Key key(texture, content, placement.flags, {u.x, u.y, u.z, v.x, v.y, v.z});
-  const auto [entry, is_new] = textures_.try_emplace(key, 0u);
-  if (!is_new) return entry->second;
+  const auto known = textures_.find(key);
+  if (known != textures_.end()) return known->second;
+  document_.require_whole("textures", static_cast<size_t>(texture), fmt::format("texture {}", texture));
   const tinygltf::Texture& source = document_.model.textures[static_cast<size_t>(texture)];
   const std::string element = element_name("texture", static_cast<size_t>(texture), source.name);
   const int image = image_of(source);
@@ -100,9 +101,10 @@ uint32_t TextureLoader::load(int texture, TextureContent content, const interfac
   loaded.flags = sampler_flags(document_, source.sampler) | placement.flags;
   loaded.map_u = placement.map_u;
   loaded.map_v = placement.map_v;
-  entry->second = static_cast<uint32_t>(scene_.textures.size());
+  const auto index = static_cast<uint32_t>(scene_.textures.size());
   scene_.textures.push_back(loaded);
-  return entry->second;
+  textures_.emplace(key, index);
+  return index;
 }
 
 interface::Texture TextureLoader::load_image(size_t image, TextureContent content,
@@ -134,8 +136,9 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
 }
 
 Bytes TextureLoader::image_bytes(size_t image, const std::string& element) {
+  document_.require_whole("images", image, element);
   const nlohmann::json& source = document_.images[image];
-  if (source.contains("uri")) return document_.files.read_uri(source["uri"].get<std::string>(), element);
+  if (source.contains("uri")) return document_.read_uri(source["uri"].get<std::string>(), element);
   if (!source.contains("bufferView"))
     document_.fail(element + " has neither uri nor bufferView; export the file again");
   const auto view = document_.view(source["bufferView"].get<int>(), element);

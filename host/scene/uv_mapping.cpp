@@ -118,6 +118,7 @@ MaterialUvs material_uvs(Document& document, const tinygltf::Material& material,
                        ? of_base.mapping
                        : texture_use(material, "KHR_materials_clearcoat", "clearcoatNormalTexture").mapping;
   if (mappings.empty()) return uvs;
+  uvs.has_textures = true;
   uvs.first = mappings.front();
   if (std::ranges::all_of(mappings, [&](const UvMapping& mapping) { return mapping == uvs.first; }))
     return uvs;

@@ -39,6 +39,7 @@ TextureUse texture_use(const tinygltf::Material& material, const char* extension
 /// so that kernels look images up at what they interpolate; else vertices carry the sets as they are, and
 /// each texture maps them.
 struct MaterialUvs {
+  bool has_textures = false;
   UvMapping first;                ///< applied to the vertices' first coordinates
   std::optional<int> second_set;  ///< TEXCOORD_n of their second coordinates
   UvMapping of_normals;  ///< of the normal texture, or else the clearcoat's, relative to the sets of the file

@@ -129,7 +129,7 @@ TEST(SceneDocument, OtherVersionsAreRefused) {
 }
 
 TEST(SceneDocument, EmptyScenesAreRefused) {
-  EXPECT_NE(load_error(Gltf()).find("no triangle"), std::string::npos);
+  EXPECT_NE(load_error(Gltf()).find("the file has no mesh"), std::string::npos);
 }
 
 TEST(SceneDocument, MembersOfTheWrongTypeAreNamedByPath) {
@@ -193,6 +193,75 @@ TEST(SceneUris, PathsThatLeaveTheFolderNeedAllowExternal) {
     options.allow_external = true;
     EXPECT_EQ(load(path, options).triangles.size(), 1u) << uri;
   }
+}
+
+TEST(SceneUris, NamesThatNobodyEncodedAreFoundWithAWarning) {
+  const TemporaryFolder folder;
+  folder.write("scene/data/more/a b.bin", TRIANGLE.data(), 36);
+  folder.write("scene/100%25.bin", TRIANGLE.data(), 36);
+  for (const char* uri : {"data\\more\\a b.bin", "data/more\\a%20b.bin", ".\\data/more/a b.bin",
+                          "data%5Cmore%5ca%20b.bin", "data\\more\\..\\more\\a b.bin", "100%25.bin"}) {
+    const auto path = folder.write("scene/test.gltf", external_triangle(uri).root.dump());
+    const Scene scene = load(path);
+    EXPECT_EQ(scene.triangles.size(), 1u) << uri;
+    EXPECT_TRUE(has_warning(scene, std::string("buffer 0: '") + uri + "' is no URI")) << uri;
+    EXPECT_NE(error_of([&] { load(path, {.is_strict = true}); }).find("is no URI"), std::string::npos) << uri;
+  }
+}
+
+TEST(SceneUris, ABackslashMayBePartOfAName) {
+  const TemporaryFolder folder;
+  folder.write("data\\a.bin", TRIANGLE.data(), 36);
+  const std::vector<float> other = {0, 0, 0, 7, 0, 0, 0, 1, 0};
+  folder.write("data/a.bin", other.data(), 36);
+  const Scene scene =
+      load(folder.write("test.gltf", external_triangle("data%5Ca.bin").root.dump()), {.is_strict = true});
+  EXPECT_EQ(scene.bounds_max.x, 1.0f) << "the file of exactly that name comes first";
+}
+
+TEST(SceneUris, BackslashesInImagesAndEnvironments) {
+  const TemporaryFolder folder;
+  const Bytes png = make_png(1, 1, 3, 8, {255, 255, 255});
+  folder.write("scene/tex/a.png", png.data(), png.size());
+  const std::string radiance =
+      "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n" + std::string("\x80\x80\x80\x81", 4);
+  folder.write("scene/env/sky.hdr", radiance.data(), radiance.size());
+  Gltf file;
+  file.root["images"] = {{{"uri", "tex\\a.png"}}};
+  file.root["textures"] = {{{"source", 0}}};
+  file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}});
+  file.root["scenes"][0]["extras"]["regulus"]["environment"] = {{"file", "env\\sky.hdr"}};
+  const Scene scene = load(folder.write("scene/test.gltf", file.root.dump()));
+  EXPECT_EQ(scene.textures.size(), 1u);
+  ASSERT_TRUE(scene.environment.has_value());
+  EXPECT_EQ(scene.environment->parameters.radiance, glm::vec3(1));
+  EXPECT_TRUE(has_warning(scene, "'env\\sky.hdr' is no URI"));
+}
+
+TEST(SceneUris, BackslashesDoNotLeaveTheFolder) {
+  const TemporaryFolder folder;
+  folder.write("outside.bin", TRIANGLE.data(), 36);
+  for (const char* uri :
+       {"..\\outside.bin", "data\\..\\..\\outside.bin", "..%5Coutside.bin", "data/..\\../outside.bin"}) {
+    const auto path = folder.write("scene/test.gltf", external_triangle(uri).root.dump());
+    const std::string error = error_of([&] { load(path); });
+    EXPECT_NE(error.find("outside the scene's folder; pass --allow-external"), std::string::npos)
+        << uri << ": " << error;
+    EXPECT_EQ(load(path, {.allow_external = true}).triangles.size(), 1u) << uri;
+  }
+}
+
+TEST(SceneUris, AMissingEnvironmentIsNoReasonToRefuseTheScene) {
+  Gltf file;
+  file.triangle();
+  file.root["scenes"][0]["extras"]["regulus"]["environment"] = {{"file", "gone.exr"}};
+  Scene scene = file.load();
+  EXPECT_FALSE(scene.environment.has_value());
+  EXPECT_TRUE(has_warning(scene, "gone.exr': no such file; check the path (no environment"));
+  EXPECT_NE(load_error(file).find("gone.exr"), std::string::npos);
+  EXPECT_NE(error_of([&] { file.load({.environment = {.file = "gone.exr"}}); }).find("gone.exr"),
+            std::string::npos)
+      << "but what the command line asks for must be there";
 }
 
 TEST(SceneUris, BadReferencesNameTheirElement) {

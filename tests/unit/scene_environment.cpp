@@ -16,10 +16,11 @@ class EnvironmentFile : public testing::Test {
  protected:
   EnvironmentFile() { file_.triangle(); }
 
-  Scene load(const json& environment, const EnvironmentOptions& options = {}) {
+  Scene load(const json& environment, const EnvironmentOptions& options = {}, bool is_strict = false) {
     file_.root["scenes"][0]["extras"]["regulus"]["environment"] = environment;
     LoadOptions load_options;
     load_options.environment = options;
+    load_options.is_strict = is_strict;
     return scene::load(folder_.write("scene.gltf", file_.root.dump()), load_options);
   }
   void write(const std::string& name, uint32_t width, uint32_t height, const std::vector<float>& grey) {
@@ -29,7 +30,7 @@ class EnvironmentFile : public testing::Test {
   }
   std::string refusal(const json& environment, const EnvironmentOptions& options = {}) {
     try {
-      load(environment, options);
+      load(environment, options, true);
     } catch (const Error& error) {
       EXPECT_EQ(error.status(), ExitStatus::BadFile);
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);

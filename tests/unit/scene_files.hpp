@@ -183,8 +183,9 @@ inline std::string error_of(const std::function<void()>& action) {
   return {};
 }
 
+/// What `--strict` says of a file.
 inline std::string load_error(const Gltf& file) {
-  return error_of([&] { file.load(); });
+  return error_of([&] { file.load({.is_strict = true}); });
 }
 
 inline bool has_warning(const Scene& scene, const std::string& part) {

@@ -264,7 +264,7 @@ TEST(SceneMaterial, FactorsOutOfRangeAreClampedWithAWarning) {
       load_material({{"pbrMetallicRoughness", {{"roughnessFactor", 1.5}, {"metallicFactor", -1}}}});
   EXPECT_EQ(scene.materials[0].roughness, 1.0f);
   EXPECT_EQ(scene.materials[0].metallic, 0.0f);
-  EXPECT_TRUE(has_warning(scene, "roughnessFactor 1.5 is clamped to 1"));
+  EXPECT_TRUE(has_warning(scene, "roughnessFactor 1.5 is out of range; correct it (clamped to 1)"));
 }
 
 TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
