@@ -8,11 +8,20 @@ if(REGULUS_WERROR)
   target_compile_options(regulus_options INTERFACE -Werror)
 endif()
 
+# HEADERS: heavy headers of its own that are compiled once for all its sources, instead of the common ones.
 function(regulus_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;HEADERS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
   target_link_libraries(${name} PUBLIC regulus_options ${ARG_LINK})
+  if(ARG_HEADERS)
+    target_precompile_headers(${name} PRIVATE ${REGULUS_COMMON_HEADERS} ${ARG_HEADERS})
+  else()
+    regulus_precompile(${name} host)
+  endif()
 endfunction()
+
+# Tests and the command line spend no time in code of their own; optimizing it is most of what compiling it costs.
+set(REGULUS_LIGHT_OPTIMIZATION $<$<CONFIG:Release>:-O1>)
 
 # All tests that need no device: what is built and run under sanitizers.
 add_custom_target(regulus_host_tests)
@@ -24,6 +33,8 @@ function(regulus_test name)
   set(target regulus_test_${name})
   add_executable(${target} ${ARG_SOURCES})
   target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main ${ARG_LINK})
+  target_compile_options(${target} PRIVATE ${REGULUS_LIGHT_OPTIMIZATION})
+  regulus_precompile(${target} tests)
   target_compile_definitions(${target} PRIVATE
     REGULUS_SOURCE_DIR="${CMAKE_SOURCE_DIR}" REGULUS_ASSETS_DIR="${CMAKE_SOURCE_DIR}/../shared/assets")
   if(NOT "DEVICE" IN_LIST ARG_LABELS)
