@@ -62,8 +62,9 @@ LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool i
   for (uint32_t i = 0; i < subpaths_.size(); ++i)
     for (auto m = static_cast<uint32_t>(subpaths_[i].vertices.size()); m >= 1; --m) {
       const WalkVertex& vertex = subpaths_[i].vertices[m - 1];
-      const dvec3 local = to_material(vertex.surface, vertex.w_back);
-      if (!is_regularized && !vertex.bsdf.has_finite_lobe(local)) continue;
+      // By the side of the surface itself: a merge may see it where the shading normal does not.
+      const dvec3 side(0, 0, dot(vertex.w_back, vertex.surface.geometric_normal));
+      if (!is_regularized && !vertex.bsdf.has_finite_lobe(side)) continue;
       numbered_.push_back({i, m});
       if (radius > 0) cells_[key_of(cell_of(vertex.surface.position))].push_back({i, m});
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace regulus::reference {
 
@@ -35,14 +36,17 @@ Rounding::Rounding(uint32_t pattern, uint32_t stream, uint32_t sample, uint32_t 
 double Rounding::moved(double x, double amount) {
   if (!is_on_) return x;
   bits_ = mixed(bits_);
-  return (bits_ >> 63) != 0 ? x + amount : x - amount;
+  // Of one size the moves of two ends of a segment would cancel exactly, time and again, where roundings do
+  // not.
+  const double share = std::numbers::sqrt3 * (std::ldexp(static_cast<double>(bits_ >> 11), -52) - 1);
+  return x + share * amount;
 }
 
 Ray rounded(const World& world, const Ray& ray, const Surface* start, Rounding& rounding) {
   Ray moved = ray;
   if (start != nullptr) {
     const double side = dot(ray.direction, start->geometric_normal) < 0 ? -1 : 1;
-    const double share = rounding.moved(0.5, 0.5);
+    const double share = std::clamp(rounding.moved(0.5, 0.5), 0.0, 1.0);
     moved.origin += side * share * clearance(world, *start) * start->geometric_normal;
   }
   const dvec3 size = glm::abs(ray.origin);

@@ -9,7 +9,7 @@ namespace regulus::reference {
 
 constexpr double UNIT_ROUNDOFF = 0x1p-24;  ///< of single precision
 
-/// A sequence of signs, different for every pattern, stream, sample and place.
+/// A sequence of moves, different for every pattern, stream, sample and place.
 class Rounding {
  public:
   /// Pattern 0 moves nothing.
@@ -17,7 +17,7 @@ class Rounding {
 
   bool is_on() const { return is_on_; }
 
-  /// x moved up or down by `amount`.
+  /// x moved up or down, evenly distributed, by `amount` in the root mean square.
   double moved(double x, double amount);
 
  private:

@@ -13,7 +13,6 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
   ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE);
-  if (point.wo.z <= 0.0) return;
   path.throughput *= transmittance(frame, path.medium, hit.t);
   bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
   float cos_here = dot(path.direction, point.geometric_normal);
@@ -46,6 +45,9 @@ void main() {
     uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
     store_light_vertex(frame, point, path, sharp, history, hit, head);
   }
+  // The walk ends where the normals disagree about its arrival. A merge has the camera's surface here, where they may
+  // agree: the vertex counts all the same.
+  if (point.wo.z <= 0.0) return;
   if (hides_sharpness) {
     sharp = vec2(path.mis_a, path.mis_b);
     if (has_histories()) history.sharp_ratio = history.ratio;
