@@ -128,7 +128,7 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   bench::ErrorBudget budget = options.budget;
   if (comparison.samples != 0 && budget.samples == 0) budget.samples = comparison.samples;
   for (const BenchConfig& config : comparison.configs) {
-    ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene);
+    ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene, loaded.bvh);
     section.exposure_ev = render.exposure_ev;
     std::string clamp;
     if (!config.clamped_like.empty()) {
@@ -199,7 +199,8 @@ void run_bench_reference(BenchReferenceOptions& options) {
   std::error_code ignored;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
   Loaded loaded = load(options.scene);
-  const ResolvedOptions render = resolve_render_options(options.options, options.size, loaded.scene);
+  const ResolvedOptions render =
+      resolve_render_options(options.options, options.size, loaded.scene, loaded.bvh);
   gpu::Device device({.select = options.device, .software_stage_times = false});
   const bench::Reference reference =
       bench::make_reference(device, loaded.scene, loaded.bvh, render.settings, options.budget);

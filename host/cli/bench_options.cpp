@@ -1,12 +1,14 @@
 #include "cli/bench_options.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <sstream>
 #include <vector>
 
 #include "base/error.hpp"
+#include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
 
 namespace regulus::cli {
@@ -29,14 +31,17 @@ void parse_render_options(const std::string& text, const std::string& scene_file
 
 }  // namespace
 
-ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
-                                       scene::Scene& scene) {
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size, scene::Scene& scene,
+                                       const bvh::Bvh& bvh) {
   RenderOptions options;
   CLI::App command;
   parse_render_options(text, scene.path.string(), command, options);
   apply_scene_settings(command, scene);
   options.size = size;
-  return {resolve_settings(options, scene), options.exposure_ev};
+  render::RenderSettings settings = resolve_settings(options, scene);
+  const std::string warning = choose_needed_merge_radius(scene, bvh, settings);
+  if (!warning.empty()) spdlog::warn("{}: {}", scene.path.string(), warning);
+  return {std::move(settings), options.exposure_ev};
 }
 
 void require_render_options(const std::string& text, const std::string& scene_file) {

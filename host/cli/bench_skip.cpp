@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "bench/skip.hpp"
+#include "bvh/scene_bvh.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/interrupt.hpp"
 #include "image/atomic_file.hpp"
@@ -37,8 +38,10 @@ nlohmann::json json_of(const bench::SkipReport& report) {
 void run_bench_skip(BenchSkipOptions& options) {
   catch_interrupts();
   options.budget.is_interrupted = is_interrupted;
-  scene::Scene scene = scene::load(options.scene, {});
-  const ResolvedOptions render = resolve_render_options(options.options, options.size, scene);
+  const scene::Scene scene = scene::load(options.scene, {});
+  scene::Scene prepared = scene;
+  const bvh::Bvh bvh = bvh::build_for_scene(prepared);
+  const ResolvedOptions render = resolve_render_options(options.options, options.size, prepared, bvh);
   gpu::Device device({.select = options.device, .software_stage_times = false});
   if (device.info().kind != gpu::DeviceKind::Software)
     throw Error(

@@ -13,6 +13,7 @@
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
 #include "cli/commands.hpp"
+#include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
 
 namespace regulus::cli {
@@ -74,8 +75,8 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   asked.techniques = WALK_TECHNIQUES | BOTH;
   if (asked.cache_connections == 0) asked.cache_connections = 3;
   // So wide that every vertex has some light paths to merge with, few as they are.
-  const float scene_radius = 0.5F * glm::length(subject.scene.bounds_max - subject.scene.bounds_min);
-  asked.merge_radius = std::max(asked.merge_radius, 0.03F * scene_radius);
+  const double extent = seen_by_camera(subject.scene, subject.bvh, asked.camera).extent;
+  asked.merge_radius = std::max(asked.merge_radius, static_cast<float>(0.05 * extent));
   render::StageRecorder recorder(device, subject.scene, subject.bvh, asked, asked.width * asked.height,
                                  WALK_TECHNIQUES | BOTH);
   reference::Settings wanted = subject.reference_settings;
@@ -185,6 +186,8 @@ void run_check(CLI::App& command, CheckOptions& options) {
       (settings.crop.pixels() != 0 || std::isfinite(settings.largest_contribution)))
     throw Error(ExitStatus::BadUsage, "check has --crop and --clamp only with --statistics");
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
+  if (!radius_warning.empty()) spdlog::warn("{}: {}", scene.path.string(), radius_warning);
   gpu::Device device({.select = options.render.device, .software_stage_times = false});
   fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 

@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
 #include "cli/commands.hpp"
+#include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
 #include "image/atomic_file.hpp"
 #include "render/stages.hpp"
@@ -153,8 +154,10 @@ Json inspect(const InspectOptions& options) {
                                                         .allow_external = options.allow_external,
                                                         .is_strict = options.is_strict,
                                                         .variant = options.variant});
-  const render::RenderSettings settings = default_settings(scene);
+  render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
+  if (!radius_warning.empty()) scene.warnings.push_back(radius_warning);
   const scene::Features features = scene::find_features(scene);
   return {{"file", scene.path.string()},
           {"hash", fmt::format("{:016x}", scene.hash)},
@@ -181,6 +184,10 @@ Json inspect(const InspectOptions& options) {
           {"features", features_json(features)},
           {"stages", stages_json(features, settings)},
           {"regularization", regularization_json(features, settings)},
+          {"merge_radius",
+           {{"metres", settings.merge_radius},
+            {"rule", settings.merge_radius_rule},
+            {"used", (settings.techniques & TECHNIQUE_MERGE) != 0}}},
           {"warnings", scene.warnings}};
 }
 
@@ -233,6 +240,9 @@ void print(const Json& scene) {
   fmt::print("  skipped        {}\n", listed(scene["stages"]["skipped"]));
   fmt::print("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
              scene["regularization"]["why"].get<std::string>());
+  fmt::print("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
+             scene["merge_radius"]["rule"].get<std::string>(),
+             scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");
   for (const Json& warning : scene["warnings"])
     fmt::print("warning          {}\n", warning.get<std::string>());
 }

@@ -15,6 +15,7 @@
 #include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/merge_radius.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_options.hpp"
 #include "cli/stats.hpp"
@@ -204,11 +205,13 @@ void render_scene(CLI::App& command, RenderOptions& options) {
 
   scene::Scene scene = scene::load(options.scene_file, load_options(options));
   apply_scene_settings(command, scene);
-  const render::RenderSettings settings = resolve_settings(options, scene);
+  render::RenderSettings settings = resolve_settings(options, scene);
   times.load_seconds = stopwatch.lap();
-  const std::optional<render::Film> earlier = find_checkpoint(options, scene, settings);
 
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
+  const std::string radius_warning = choose_needed_merge_radius(scene, bvh, settings);
+  if (!radius_warning.empty()) scene.warnings.push_back(radius_warning);
+  const std::optional<render::Film> earlier = find_checkpoint(options, scene, settings);
   for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   times.bvh_seconds = stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",

@@ -120,14 +120,6 @@ uint32_t find_camera(const std::string& wanted, const scene::Scene& scene) {
               fmt::format("--camera {}: {} has {}", wanted, scene.path.string(), names));
 }
 
-glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera) {
-  if (scene.resolution) return *scene.resolution;
-  const float aspect = scene.cameras[camera].aspect_ratio;
-  if (!(aspect > 0)) return {1280, 720};
-  return {1280,
-          static_cast<uint32_t>(std::clamp(std::round(1280 / aspect), 1.0f, static_cast<float>(MAX_SIDE)))};
-}
-
 uint32_t parse_techniques(const std::string& list) {
   uint32_t techniques = 0;
   std::istringstream stream(list);
@@ -171,6 +163,14 @@ float parse_merge_radius(const std::string& text, float scene_radius) {
 
 }  // namespace
 
+glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera) {
+  if (scene.resolution) return *scene.resolution;
+  const float aspect = scene.cameras[camera].aspect_ratio;
+  if (!(aspect > 0)) return {1280, 720};
+  return {1280,
+          static_cast<uint32_t>(std::clamp(std::round(1280 / aspect), 1.0f, static_cast<float>(MAX_SIDE)))};
+}
+
 render::Window parse_window(const char* option, const std::string& text, const glm::uvec2& size) {
   const std::vector<uint32_t> edges = parse_numbers(text, ',', 4);
   if (edges.empty() || edges[0] >= edges[2] || edges[1] >= edges[3] || edges[2] > size.x || edges[3] > size.y)
@@ -212,7 +212,8 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                      "cache:M (M drawn from all of the iteration)");
   command.add_option("--merge-radius", options.merge_radius,
                      "Merge radius of the first iteration in metres, or in percent of the scene's radius, as "
-                     "in 0.3%");
+                     "in 0.3%; at most a tenth of the extent seen (default: a thousandth of the picture's "
+                     "height at the surfaces seen)");
   command
       .add_option("--merge-reduction", settings.merge_reduction,
                   "The merge radius of iteration i is the first one's times i to minus this power")
@@ -415,9 +416,8 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
     settings.regularization |= options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);
   const float scene_radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
-  settings.merge_radius = options.merge_radius.empty()
-                              ? render::DEFAULT_MERGE_RADIUS * scene_radius
-                              : parse_merge_radius(options.merge_radius, scene_radius);
+  settings.merge_radius =
+      options.merge_radius.empty() ? 0 : parse_merge_radius(options.merge_radius, scene_radius);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   settings.filter_radius = options.filter_radius.value_or(settings.filter == FILTER_BOX ? 0.5f : 1.5f);
   settings.filter_sigma = settings.filter_radius / 3;

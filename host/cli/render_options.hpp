@@ -78,7 +78,11 @@ render::Window parse_window(const char* option, const std::string& text, const g
 /// regulus::Error (BadUsage).
 uint32_t parse_technique_set(const std::string& text);
 
-/// The settings of the render once the scene is known: size, camera, techniques resolved.
+/// Film size where none is given: the scene's resolution, else 1280 wide at the camera's aspect.
+glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera);
+
+/// The settings of the render once the scene is known: size, camera, techniques resolved. A merge radius is
+/// the one asked for, or 0 until cli::choose_merge_radius.
 /// @throws regulus::Error (BadUsage) naming the option
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene);
 

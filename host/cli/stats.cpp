@@ -57,6 +57,7 @@ nlohmann::json settings_json(const render::RenderSettings& settings) {
       {"light_paths", settings.light_paths},
       {"cache_connections", settings.cache_connections},
       {"merge_radius", settings.merge_radius},
+      {"merge_radius_rule", settings.merge_radius_rule},
       {"merge_reduction", settings.merge_reduction},
       {"regularization", regularization_name(settings.regularization)},
       {"diffusion", (settings.regularization & REGULARIZATION_DIFFUSION) != 0},

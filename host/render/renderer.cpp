@@ -42,8 +42,7 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
   settings.techniques = effective_techniques(features, asked);
   settings.light_sampling = effective_light_sampling(scene, settings);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
-  if (settings.merge_radius == 0)
-    settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
+  require_merge_radius(settings);
   return settings;
 }
 

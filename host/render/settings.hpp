@@ -4,13 +4,11 @@
 
 #include <cstdint>
 #include <limits>
+#include <string>
 
 #include "interface/wavefront.h"
 
 namespace regulus::render {
-
-/// Merge radius where none is given, in radii of the scene's bounding sphere (as SmallVCM).
-inline constexpr float DEFAULT_MERGE_RADIUS = 0.003f;
 
 /// Density to which regularization bounds a lobe where none is given, 1/sr.
 inline constexpr float DEFAULT_TAU = 5;
@@ -45,10 +43,11 @@ struct RenderSettings {
   uint32_t sampler = interface::SAMPLER_SOBOL;
   uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
-  uint32_t light_paths = 0;        ///< per iteration (one sample of every pixel); 0: as many as pixels
-  uint32_t cache_connections = 0;  ///< light vertices a camera vertex connects to, drawn from all of the
-                                   ///< iteration's; 0: those of its own light path (paired)
-  float merge_radius = 0;          ///< metres, of the first iteration; 0: DEFAULT_MERGE_RADIUS
+  uint32_t light_paths = 0;         ///< per iteration (one sample of every pixel); 0: as many as pixels
+  uint32_t cache_connections = 0;   ///< light vertices a camera vertex connects to, drawn from all of the
+                                    ///< iteration's; 0: those of its own light path (paired)
+  float merge_radius = 0;           ///< metres, of the first iteration; above 0 where technique merge is used
+  std::string merge_radius_rule{};  ///< in words, where it comes from; does not change the image
   float merge_reduction =
       1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
   uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits

@@ -19,8 +19,7 @@ RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings setti
   settings.techniques = effective_techniques(scene::find_features(scene), settings);
   settings.light_sampling = effective_light_sampling(scene, settings);
   settings.light_paths = settings.width * settings.height;
-  if (settings.merge_radius == 0)
-    settings.merge_radius = DEFAULT_MERGE_RADIUS * 0.5F * glm::length(scene.bounds_max - scene.bounds_min);
+  require_merge_radius(settings);
   return settings;
 }
 

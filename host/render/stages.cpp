@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <string_view>
 
 #include "render/shaders.hpp"
@@ -48,6 +49,11 @@ uint32_t effective_regularization(const scene::Features& features, const RenderS
 uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings) {
   if ((settings.techniques & TECHNIQUE_NEE) == 0) return LIGHT_SAMPLING_POWER;
   return scene::resolve_light_sampling(settings.light_sampling, scene.lights.size());
+}
+
+void require_merge_radius(const RenderSettings& settings) {
+  if ((settings.techniques & TECHNIQUE_MERGE) != 0 && !(settings.merge_radius > 0))
+    throw std::logic_error("technique merge has no radius");
 }
 
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {

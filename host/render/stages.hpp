@@ -122,6 +122,9 @@ uint32_t effective_regularization(const scene::Features& features, const RenderS
 /// are effective ones.
 uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings);
 
+/// Settings whose techniques are effective ones have a radius if they merge; std::logic_error if not.
+void require_merge_radius(const RenderSettings& settings);
+
 /// True if the step runs for a scene with these features under these settings, whose techniques are effective
 /// ones.
 bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings);

@@ -1,11 +1,13 @@
 // regulus inspect as a user runs it, against what is counted in the file itself.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "cli/process.hpp"
+#include "image/image.hpp"
 #include "images/support/gltf_scene.hpp"
 #include "images/support/render_scene.hpp"
 
@@ -89,6 +91,41 @@ TEST(Inspect, ReportsABrokenFileInOneLine) {
   expect_error(run({"inspect", (folder / "broken.gltf").string()}), 3, {"broken.gltf"});
   expect_error(run({"inspect", (folder / "missing.gltf").string()}), 3, {"missing.gltf"});
   EXPECT_EQ(run({"inspect"}).status, 2);
+}
+
+// The same radius whatever is rendered of the picture, in the header with its rule as inspect says it. A wall
+// of 2 m fills the orthographic picture; half of its points lie within 2 / sqrt(2 pi) m of the middle.
+TEST(Inspect, MergeRadiusIsThatOfTheWholePicture) {
+  const TemporaryFolder folder;
+  const std::string gltf = (folder / "wall.gltf").string(), exr = (folder / "wall.exr").string();
+  GltfScene wall;
+  wall.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
+  wall.add_point_light({0, 0, 1}, {1, 1, 1});
+  wall.set_orthographic(look_at({0, 0, 2}, {0, 0, 0}), 1, 1);
+  wall.write(gltf);
+  const json scene = inspected(gltf);
+  EXPECT_FLOAT_EQ(scene["merge_radius"]["metres"].get<float>(), 0.002F);
+  const auto radius = [&](Arguments more, const std::string& rule) {
+    Arguments arguments = {"render", gltf, "-o", exr, "-i", "vcm", "--backend", "reference"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    image::Attributes attributes;
+    image::read_exr(exr, &attributes);
+    EXPECT_EQ(attributes["regulus:merge_radius_rule"], rule);
+    return std::pair(std::stof(attributes["regulus:merge_radius"]), finished.err);
+  };
+  const auto rule = scene["merge_radius"]["rule"].get<std::string>();
+  for (const Arguments& more :
+       {Arguments{"--size", "4x4", "-s", "1"},
+        {"--size", "9x5", "-s", "2", "--seed", "7"},
+        {"--size", "8x8", "-s", "1", "--crop", "0,0,2,1", "--max-depth", "3", "--light-paths", "10"}})
+    EXPECT_FLOAT_EQ(radius(more, rule).first, 0.002F);
+  const auto [clamped, warning] = radius({"--size", "4x4", "-s", "1", "--merge-radius", "1e3"},
+                                         "given, clamped to 10 % of the extent seen");
+  EXPECT_NEAR(clamped, 0.1 * 2 / std::sqrt(2 * M_PI), 0.1 * 2.0 / 32);
+  EXPECT_EQ(count_lines(warning), 1u);
+  EXPECT_NE(warning.find("--merge-radius 1000 m"), std::string::npos) << warning;
 }
 
 }  // namespace
