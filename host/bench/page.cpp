@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "image/atomic_file.hpp"
+#include "image/formats.hpp"
 #include "page_html.hpp"
 
 namespace regulus::bench {
@@ -61,11 +62,14 @@ nlohmann::json section_json(const Section& section) {
 }
 
 void add_pictures(nlohmann::json& json, const Section& section) {
-  json["reference_png"] = data_url(encode_png(section.reference, section.exposure_ev, "reference"));
+  json["reference_png"] =
+      data_url(encode_tone_mapped(image::Format::Png, section.reference, section.exposure_ev, "reference"));
   for (size_t i = 0; i < section.runs.size(); ++i) {
     const ErrorRun& run = section.runs[i];
-    json["runs"][i]["png"] = data_url(encode_png(run.image, section.exposure_ev, run.name));
-    json["runs"][i]["heat_png"] = data_url(encode_heat_map(run.image, section.reference, run.name));
+    json["runs"][i]["png"] =
+        data_url(encode_tone_mapped(image::Format::Png, run.image, section.exposure_ev, run.name));
+    json["runs"][i]["heat_png"] =
+        data_url(encode_heat_map(image::Format::Png, run.image, section.reference, run.name));
   }
 }
 

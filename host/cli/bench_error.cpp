@@ -16,8 +16,13 @@
 #include "cli/bench_options.hpp"
 #include "cli/bench_talk.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/output_guard.hpp"
+#include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
+#include "cli/standard_streams.hpp"
+#include "cli/validators.hpp"
 #include "image/atomic_file.hpp"
+#include "image/formats.hpp"
 
 namespace regulus::cli {
 namespace {
@@ -79,10 +84,9 @@ fs::path reference_file(const std::string& scene, const std::string& folder) {
 
 void print_run(const bench::ErrorRun& run) {
   const bench::ErrorPoint& last = run.points.back();
-  fmt::print("  {:<28} {:>8.1f} {:>8.2f} {:>8.2f} {:>10.3g} {:>10.3g} {:>10.3g} {:>8.4f}\n", run.name,
-             last.samples, last.seconds, last.cpu_seconds, run.relmse, run.variance, run.squared_bias,
-             run.mean_ratio);
-  std::fflush(stdout);
+  say("  {:<28} {:>8.1f} {:>8.2f} {:>8.2f} {:>10.3g} {:>10.3g} {:>10.3g} {:>8.4f}\n", run.name, last.samples,
+      last.seconds, last.cpu_seconds, run.relmse, run.variance, run.squared_bias, run.mean_ratio);
+  flush_stdout();
 }
 
 // The bound on contributions under which runs of `settings` vary as much as `variance` says. The variance
@@ -118,10 +122,10 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   if (!options.region.empty()) region = parse_window("--region", options.region, {whole.width, whole.height});
 
   Loaded loaded = load(comparison.scene);
-  fmt::print("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene,
-             whole.width, whole.height, section.reference_relmse);
-  fmt::print("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s",
-             "relmse", "variance", "bias^2", "mean");
+  say("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene, whole.width,
+      whole.height, section.reference_relmse);
+  say("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s", "relmse",
+      "variance", "bias^2", "mean");
   const std::string size = fmt::format("{}x{}", whole.width, whole.height);
   const bench::ErrorSubject subject{loaded.scene, loaded.bvh, whole, region};
   section.reference = bench::measured_reference(subject);
@@ -155,6 +159,11 @@ void require_valid(const BenchComparison& comparison, const BenchErrorOptions& o
   for (const BenchConfig& config : comparison.configs) {
     require_render_options(config.options, comparison.scene);
   }
+  OutputGuard guard;
+  guard.add_scene(comparison.scene);
+  guard.add_input(file, "a reference");
+  if (!options.json.empty()) guard.add_output("--json", options.json);
+  if (!options.html.empty()) guard.add_output("--html", options.html);
 }
 
 void run_comparisons(const std::string& title, const std::vector<BenchComparison>& comparisons,
@@ -175,7 +184,7 @@ void run_comparisons(const std::string& title, const std::vector<BenchComparison
     report.axis = "samples";
   else if (options.budget.counts_cpu_time)
     report.axis = "cpu_seconds";
-  fmt::print("device: {}\n", report.device);
+  say("device: {}\n", report.device);
   for (const BenchComparison& comparison : comparisons) {
     report.sections.push_back(measure_section(device, comparison, options));
     // After each scene, so that an interrupted run leaves what it measured.
@@ -198,22 +207,32 @@ void run_bench_reference(BenchReferenceOptions& options) {
   const fs::path file = options.output.empty() ? reference_file(options.scene, "") : fs::path(options.output);
   std::error_code ignored;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
+  image::require_format("--output", file, {image::Format::Exr});
   Loaded loaded = load(options.scene);
+  OutputGuard guard;
+  guard.add_scene(options.scene);
+  guard.add_output("--output", file);
+  image::require_writable(file);
   const ResolvedOptions render =
       resolve_render_options(options.options, options.size, loaded.scene, loaded.bvh);
   gpu::Device device({.select = options.device, .software_stage_times = false});
   const bench::Reference reference =
       bench::make_reference(device, loaded.scene, loaded.bvh, render.settings, options.budget);
-  image::write_exr(
-      file, reference.image,
-      {{"regulus:options", options.options}, {REFERENCE_ERROR, fmt::format("{:.6g}", reference.relmse)}});
-  fmt::print("{}: {} independent renders, expected relmse {:.3g}\n", file.string(), options.budget.seeds,
-             reference.relmse);
+  OutputWriter writer;
+  writer.write(file, [&] {
+    return image::encode_exr(
+        reference.image,
+        {{"regulus:options", options.options}, {REFERENCE_ERROR, fmt::format("{:.6g}", reference.relmse)}},
+        {}, {}, file.string());
+  });
+  writer.throw_failures();
+  say("{}: {} independent renders, expected relmse {:.3g}\n", file.string(), options.budget.seeds,
+      reference.relmse);
 }
 
 void declare_budget(CLI::App& command, bench::ErrorBudget& budget) {
   command.add_option("--time", budget.seconds, "Seconds of rendering for each seed")
-      ->check(CLI::Range(0.01, 1e6))
+      ->check(number_in(0.01, 1e6))
       ->capture_default_str();
   command.add_flag("--cpu-time", budget.counts_cpu_time,
                    "Count CPU seconds of this process: fair on a busy machine, for software devices");

@@ -15,6 +15,7 @@
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
 #include "cli/bench_skip.hpp"
+#include "cli/standard_streams.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
 
@@ -102,7 +103,8 @@ class SceneBench {
       results.push_back(measure(kind, *rays, true));
     }
     const uint32_t overruns = gpu::download_all<uint32_t>(device_, overruns_, 1)[0];
-    if (overruns > 0) fmt::print(stderr, "warning: {}: {} rays were given up\n", name_, overruns);
+    if (overruns > 0)
+      std::fputs(fmt::format("warning: {}: {} rays were given up\n", name_, overruns).c_str(), stderr);
     return results;
   }
 
@@ -147,9 +149,9 @@ class SceneBench {
 };
 
 void print_row(const Measurement& m) {
-  fmt::print("{:<20} {:<8} {:<8} {:>8.3f} {:>8.3f} {:>6.2f}\n", m.scene, m.rays, m.query, m.mrays_per_s,
-             m.embree_mrays_per_s, m.ratio());
-  std::fflush(stdout);
+  say("{:<20} {:<8} {:<8} {:>8.3f} {:>8.3f} {:>6.2f}\n", m.scene, m.rays, m.query, m.mrays_per_s,
+      m.embree_mrays_per_s, m.ratio());
+  flush_stdout();
 }
 
 void write_json(const std::filesystem::path& path, const std::vector<Measurement>& measurements) {
@@ -178,8 +180,8 @@ int run_bench_kernels(const BenchKernelsOptions& options) {
   std::vector<BenchScene> scenes = procedural_bench_scenes();
   for (const std::filesystem::path& path : options.scenes) scenes.push_back(load_bench_scene(path));
 
-  fmt::print("device: {}\n{:<20} {:<8} {:<8} {:>8} {:>8} {:>6}   (million rays per second)\n",
-             device.info().name, "scene", "rays", "query", "device", "Embree", "ratio");
+  say("device: {}\n{:<20} {:<8} {:<8} {:>8} {:>8} {:>6}   (million rays per second)\n", device.info().name,
+      "scene", "rays", "query", "device", "Embree", "ratio");
   std::vector<Measurement> measurements;
   for (const BenchScene& scene : scenes) {
     for (const Measurement& measurement : SceneBench(device, kernels, scene, options.repeats).run()) {

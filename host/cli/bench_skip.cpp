@@ -10,6 +10,8 @@
 #include "bvh/scene_bvh.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/interrupt.hpp"
+#include "cli/output_guard.hpp"
+#include "cli/standard_streams.hpp"
 #include "image/atomic_file.hpp"
 
 namespace regulus::cli {
@@ -39,6 +41,9 @@ void run_bench_skip(BenchSkipOptions& options) {
   catch_interrupts();
   options.budget.is_interrupted = is_interrupted;
   const scene::Scene scene = scene::load(options.scene, {});
+  OutputGuard guard;
+  guard.add_scene(options.scene);
+  if (!options.json.empty()) guard.add_output("--json", options.json);
   scene::Scene prepared = scene;
   const bvh::Bvh bvh = bvh::build_for_scene(prepared);
   const ResolvedOptions render = resolve_render_options(options.options, options.size, prepared, bvh);
@@ -50,14 +55,13 @@ void run_bench_skip(BenchSkipOptions& options) {
             "bench skip counts CPU seconds, and {} does not compute on the CPU; choose another --device",
             device.info().name));
   const bench::SkipReport report = bench::measure_skipped(device, scene, render.settings, options.budget);
-  fmt::print("device: {}\n{}, {}: {:.2f} CPU s, {} bytes per path; against itself +-{:.1f} %\n",
-             device.info().name, options.scene, options.options, report.seconds, report.bytes_per_path,
-             100 * report.noise);
-  fmt::print("{:<20} {:>8} {:>16} {:>12} {:>14}\n", "present but unused", "time", "least..greatest", "bytes",
-             "bytes per path");
+  say("device: {}\n{}, {}: {:.2f} CPU s, {} bytes per path; against itself +-{:.1f} %\n", device.info().name,
+      options.scene, options.options, report.seconds, report.bytes_per_path, 100 * report.noise);
+  say("{:<20} {:>8} {:>16} {:>12} {:>14}\n", "present but unused", "time", "least..greatest", "bytes",
+      "bytes per path");
   for (const bench::SkippedFeature& feature : report.features)
-    fmt::print("{:<20} {:>7.3f}x {:>7.3f}..{:<7.3f} {:>+12} {:>14}\n", feature.name, feature.time_ratio,
-               feature.least_ratio, feature.greatest_ratio, feature.bytes, feature.bytes_per_path);
+    say("{:<20} {:>7.3f}x {:>7.3f}..{:<7.3f} {:>+12} {:>14}\n", feature.name, feature.time_ratio,
+        feature.least_ratio, feature.greatest_ratio, feature.bytes, feature.bytes_per_path);
   if (!options.json.empty()) image::write_file_atomically(options.json, json_of(report).dump(2) + "\n");
 }
 

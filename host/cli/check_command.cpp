@@ -15,6 +15,8 @@
 #include "cli/commands.hpp"
 #include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
+#include "cli/standard_streams.hpp"
+#include "cli/validators.hpp"
 
 namespace regulus::cli {
 
@@ -63,8 +65,8 @@ PathName parse_path(const std::string& text, const render::RenderSettings& setti
 
 /// Prints a line and returns whether it passed.
 bool report(const check::Tally& tally) {
-  fmt::print("{}\n", tally.line());
-  std::fflush(stdout);
+  say("{}\n", tally.line());
+  flush_stdout();
   return tally.is_passed();
 }
 
@@ -123,7 +125,7 @@ bool has_blended_surfaces(const scene::Scene& scene) {
 
 bool check_everything(gpu::Device& device, const check::Subject& subject) {
   const uint32_t pixels = subject.settings.width * subject.settings.height;
-  fmt::print("{}\n", check::Tally::header());
+  say("{}\n", check::Tally::header());
   bool is_passed = true;
   const bool is_blended = has_blended_surfaces(subject.scene);
   {
@@ -147,7 +149,7 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
     }
   }
   if (is_blended) {
-    fmt::print("{}\n", BLENDED);
+    say("{}\n", BLENDED);
     return is_passed;
   }
   // Images would repeat it at best; lists that are broken may crash the driver.
@@ -165,13 +167,13 @@ bool check_everything(gpu::Device& device, const check::Subject& subject) {
 bool check_images(gpu::Device& device, const check::Subject& subject, const CheckOptions& options) {
   std::optional<uint32_t> other;
   if (!options.against.empty()) other = parse_technique_set(options.against);
-  fmt::print("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
-             subject.settings.samples, subject.settings.width, subject.settings.height,
-             other ? options.against : "the reference");
+  say("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
+      subject.settings.samples, subject.settings.width, subject.settings.height,
+      other ? options.against : "the reference");
   bool is_passed = true;
   for (const check::ImageTest& test :
        check_statistics(device, subject, options.statistics, other, options.tolerance)) {
-    fmt::print("{}\n", test.line);
+    say("{}\n", test.line);
     is_passed = test.is_passed && is_passed;
   }
   return is_passed;
@@ -189,7 +191,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
   if (!radius_warning.empty()) spdlog::warn("{}: {}", scene.path.string(), radius_warning);
   gpu::Device device({.select = options.render.device, .software_stage_times = false});
-  fmt::print("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
+  say("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 
   const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling,
                                settings.has_energy_compensation);
@@ -201,7 +203,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   if (options.weights > 0 && has_blended_surfaces(scene))
     throw Error(ExitStatus::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));
   if (options.path.empty()) {
-    if (options.weights > 0) fmt::print("{}\n", check::Tally::header());
+    if (options.weights > 0) say("{}\n", check::Tally::header());
     const bool is_passed = options.statistics > 0 ? check_images(device, subject, options)
                            : options.weights > 0
                                ? check_sorted_and_connected(device, subject, options.weights)
@@ -215,7 +217,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   const uint32_t pixel = path.y * settings.width + path.x;
   render::StageRecorder recorder(device, scene, bvh, settings, 1);
   const render::Recording recording = recorder.record(render::Pass::Camera, pixel, path.sample);
-  fmt::print("{}", describe_path(subject, pixel, path.sample, recording));
+  say("{}", describe_path(subject, pixel, path.sample, recording));
 }
 
 }  // namespace
@@ -241,7 +243,7 @@ void add_check_command(CLI::App& app) {
   command
       ->add_option("--tolerance", options->tolerance,
                    "With --statistics: relative difference that is not counted, such as the blur of merges")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   command->callback([command, options] { run_check(*command, *options); });
 }
 

@@ -1,8 +1,10 @@
 #include "cli/checkpoint.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <new>
 
 #include "base/error.hpp"
 
@@ -13,15 +15,28 @@ void Checkpoint::update(const render::Film& film) {
   if (path_.empty() || film.paths == written_paths_ ||
       std::chrono::duration<double>(now - last_).count() < seconds_)
     return;
-  finish(film);
+  try_to_write(film, "the render goes on and tries again");
   last_ = Clock::now();
   seconds_ = std::max(seconds_, 50 * std::chrono::duration<double>(last_ - now).count());
 }
 
 void Checkpoint::finish(const render::Film& film) {
-  if (path_.empty()) return;
-  write_(film);
-  written_paths_ = film.paths;
+  if (!path_.empty()) try_to_write(film, "the render cannot be resumed from its end");
+}
+
+void Checkpoint::try_to_write(const render::Film& film, const char* what_next) {
+  std::string problem;
+  try {
+    write_(film);
+    written_paths_ = film.paths;
+  } catch (const Error& error) {
+    problem = error.what();
+  } catch (const std::bad_alloc&) {
+    problem = fmt::format("{}: not enough memory to write it", path_.string());
+  }
+  if (!problem.empty() && problem != last_problem_)  // once, however often it is tried
+    spdlog::warn("--checkpoint {}; {}", problem, what_next);
+  last_problem_ = problem;
 }
 
 render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,

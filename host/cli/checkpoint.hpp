@@ -11,13 +11,14 @@
 
 namespace regulus::cli {
 
-/// Writes the state of a render when it is due. The file changes as a whole (image::write_exr), so a process
-/// may be killed at any time.
+/// Writes the state of a render when it is due. The file changes as a whole (image::write_file_atomically),
+/// so a process may be killed at any time. A state that cannot be written is a warning: the render goes on,
+/// and the next state is tried when it is due.
 class Checkpoint {
  public:
   /// @param path empty: there is no checkpoint
   /// @param seconds between two states; more if writing takes more than a fiftieth of that
-  /// @param write puts a film into the file
+  /// @param write puts a film into the file; throws if it cannot
   Checkpoint(std::filesystem::path path, double seconds, std::function<void(const render::Film&)> write)
       : path_(std::move(path)), seconds_(seconds), write_(std::move(write)) {}
 
@@ -27,12 +28,15 @@ class Checkpoint {
   void finish(const render::Film& film);
 
  private:
+  void try_to_write(const render::Film& film, const char* what_next);
+
   using Clock = std::chrono::steady_clock;
   std::filesystem::path path_;
   double seconds_;
   std::function<void(const render::Film&)> write_;
   Clock::time_point last_ = Clock::now();
   uint64_t written_paths_ = 0;
+  std::string last_problem_;  ///< of the last attempt; empty: it was written
 };
 
 /// The film in a checkpoint, to go on from with these settings.

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "cli/commands.hpp"
+#include "cli/standard_streams.hpp"
 #include "gpu/gpu.hpp"
 
 namespace regulus::cli {
@@ -34,14 +35,14 @@ void print_devices() {
         ExitStatus::NoDevice,
         "no Vulkan device found; install a Vulkan driver (Debian: mesa-vulkan-drivers) and try again");
   for (const gpu::DeviceInfo& device : devices) {
-    fmt::print("{}: {} ({})\n   driver {}, Vulkan {}.{}.{}, {:.1f} GiB of device memory\n", device.index,
-               device.name, kind_name(device.kind), device.driver, device.api_version >> 22 & 0x7F,
-               device.api_version >> 12 & 0x3FF, device.api_version & 0xFFF,
-               static_cast<double>(device.heap_bytes) / (1 << 30));
+    say("{}: {} ({})\n   driver {}, Vulkan {}.{}.{}, {:.1f} GiB of device memory\n", device.index,
+        device.name, kind_name(device.kind), device.driver, device.api_version >> 22 & 0x7F,
+        device.api_version >> 12 & 0x3FF, device.api_version & 0xFFF,
+        static_cast<double>(device.heap_bytes) / (1 << 30));
     if (device.usable())
-      fmt::print("   can be used\n");
+      say("   can be used\n");
     else
-      fmt::print("   cannot be used: {}\n", fmt::join(device.missing, "; "));
+      say("   cannot be used: {}\n", fmt::join(device.missing, "; "));
   }
 }
 

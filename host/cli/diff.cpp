@@ -7,11 +7,15 @@
 #include <string>
 
 #include "base/error.hpp"
+#include "cli/output_guard.hpp"
+#include "cli/standard_streams.hpp"
 #include "image/atomic_file.hpp"
-#include "image/flip_picture.hpp"
+#include "image/formats.hpp"
 #include "image/image.hpp"
 
 namespace regulus::cli {
+
+using image::Format;
 
 namespace {
 
@@ -33,16 +37,16 @@ nlohmann::ordered_json to_json(const image::Metrics& metrics, double flip) {
 }
 
 void print(const image::Metrics& metrics, double flip) {
-  fmt::print("mse             {:.6g}\nrelmse          {:.6g}\nmrse            {:.6g}\n", metrics.mse,
-             metrics.relmse, metrics.mrse);
-  fmt::print("mae             {:.6g}\npsnr            {:.2f} dB\nflip            {:.6g}\n", metrics.mae,
-             metrics.psnr, flip);
+  say("mse             {:.6g}\nrelmse          {:.6g}\nmrse            {:.6g}\n", metrics.mse, metrics.relmse,
+      metrics.mrse);
+  say("mae             {:.6g}\npsnr            {:.2f} dB\nflip            {:.6g}\n", metrics.mae,
+      metrics.psnr, flip);
   const auto print_mean = [](const char* name, const std::array<double, 3>& mean) {
-    fmt::print("{:<15} {:.6g} {:.6g} {:.6g}\n", name, mean[0], mean[1], mean[2]);
+    say("{:<15} {:.6g} {:.6g} {:.6g}\n", name, mean[0], mean[1], mean[2]);
   };
   print_mean("mean", metrics.mean);
   print_mean("reference mean", metrics.reference_mean);
-  fmt::print("non-finite      {}\n", metrics.non_finite);
+  say("non-finite      {}\n", metrics.non_finite);
 }
 
 image::Metrics compare(const DiffOptions& options, const image::Image& image, const image::Image& reference) {
@@ -54,15 +58,42 @@ image::Metrics compare(const DiffOptions& options, const image::Image& image, co
   }
 }
 
+// The formats of the maps that are asked for; PNG for those that are not.
+struct MapFormats {
+  Format heat = Format::Png, flip = Format::Png;
+};
+
+MapFormats check_outputs(const DiffOptions& options) {
+  OutputGuard guard;
+  guard.add_input(options.image, "the image");
+  guard.add_input(options.reference, "the reference");
+  MapFormats formats;
+  const auto add = [&](const char* option, const std::string& file, Format* format) {
+    if (file.empty()) return;
+    guard.add_output(option, file);
+    if (format != nullptr) *format = image::require_format(option, file, {Format::Png, Format::Jpeg});
+    image::require_writable(file);
+  };
+  add("--json", options.json, nullptr);
+  add("--heat-map", options.heat_map, &formats.heat);
+  add("--flip-map", options.flip_map, &formats.flip);
+  return formats;
+}
+
 void diff(const DiffOptions& options) {
+  const MapFormats formats = check_outputs(options);
   const image::Image image = image::read_exr(options.image);
   const image::Image reference = image::read_exr(options.reference);
   const image::Metrics metrics = compare(options, image, reference);
   const double flip = image::flip(image, reference);
   if (!options.json.empty())
     image::write_file_atomically(options.json, to_json(metrics, flip).dump(2) + "\n");
-  if (!options.heat_map.empty()) image::write_heat_map(options.heat_map, image, reference);
-  if (!options.flip_map.empty()) image::write_flip_picture(options.flip_map, image, reference);
+  if (!options.heat_map.empty())
+    image::write_file_atomically(options.heat_map,
+                                 image::encode_heat_map(formats.heat, image, reference, options.heat_map));
+  if (!options.flip_map.empty())
+    image::write_file_atomically(options.flip_map,
+                                 image::encode_flip_map(formats.flip, image, reference, options.flip_map));
   print(metrics, flip);
 }
 
@@ -74,10 +105,11 @@ void add_diff_command(CLI::App& app) {
   command->add_option("IMAGE", options->image, "OpenEXR file")->required();
   command->add_option("REFERENCE", options->reference, "OpenEXR file of the same size")->required();
   command->add_option("--json", options->json, "Write the metrics to this file");
-  command->add_option("--heat-map", options->heat_map,
-                      "Write the relative error of each pixel to this PNG, 0.001 (black) to 1 (yellow)");
+  command->add_option(
+      "--heat-map", options->heat_map,
+      "Write the relative error of each pixel to this PNG or JPEG, 0.001 (black) to 1 (yellow)");
   command->add_option("--flip-map", options->flip_map,
-                      "Write the FLIP error of each pixel to this PNG, 0 (black) to 1 (yellow)");
+                      "Write the FLIP error of each pixel to this PNG or JPEG, 0 (black) to 1 (yellow)");
   command->callback([options] { diff(*options); });
 }
 

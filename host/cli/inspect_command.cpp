@@ -13,7 +13,9 @@
 #include "bvh/scene_bvh.hpp"
 #include "cli/commands.hpp"
 #include "cli/merge_radius.hpp"
+#include "cli/output_guard.hpp"
 #include "cli/render_options.hpp"
+#include "cli/standard_streams.hpp"
 #include "image/atomic_file.hpp"
 #include "render/stages.hpp"
 #include "scene/placement.hpp"
@@ -200,51 +202,47 @@ std::string listed(const Json& names) {
 void print_contents(const Json& scene) {
   for (const Json& camera : scene["cameras"]) {
     const bool is_perspective = camera["kind"] == "perspective";
-    fmt::print(
-        "camera           {}, {}{}{}\n", camera["name"].dump(), camera["kind"].get<std::string>(),
+    say("camera           {}, {}{}{}\n", camera["name"].dump(), camera["kind"].get<std::string>(),
         is_perspective ? fmt::format(", {:.1f} degrees high", camera["vertical_degrees"].get<double>()) : "",
         camera["from_file"] ? "" : ", framed on the bounds: the file has none");
   }
-  fmt::print("film             {} x {}\n", scene["size"][0].get<uint32_t>(),
-             scene["size"][1].get<uint32_t>());
-  fmt::print("meshes           {}, placed {} times: {} triangles, {} vertices\n",
-             scene["meshes"].get<uint64_t>(), scene["instances"].get<uint64_t>(),
-             scene["triangles"].get<uint64_t>(), scene["vertices"].get<uint64_t>());
+  say("film             {} x {}\n", scene["size"][0].get<uint32_t>(), scene["size"][1].get<uint32_t>());
+  say("meshes           {}, placed {} times: {} triangles, {} vertices\n", scene["meshes"].get<uint64_t>(),
+      scene["instances"].get<uint64_t>(), scene["triangles"].get<uint64_t>(),
+      scene["vertices"].get<uint64_t>());
   if (scene["copies"] > 0)
-    fmt::print("instances        {} copies of {} meshes: {} triangles stored\n",
-               scene["copies"].get<uint64_t>(), scene["shared_meshes"].get<uint64_t>(),
-               scene["stored_triangles"].get<uint64_t>());
+    say("instances        {} copies of {} meshes: {} triangles stored\n", scene["copies"].get<uint64_t>(),
+        scene["shared_meshes"].get<uint64_t>(), scene["stored_triangles"].get<uint64_t>());
   if (scene["origin"] != Json{0.0, 0.0, 0.0})
-    fmt::print("origin           {}: taken off before positions are rounded\n", scene["origin"].dump());
+    say("origin           {}: taken off before positions are rounded\n", scene["origin"].dump());
   for (const Json& material : scene["materials"])
-    fmt::print("material         {}, {}{}, {} triangles\n", material["name"].dump(),
-               material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",
-               material["triangles"].get<uint64_t>());
-  for (const Json& variant : scene["variants"]) fmt::print("variant          {}\n", variant.dump());
+    say("material         {}, {}{}, {} triangles\n", material["name"].dump(),
+        material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",
+        material["triangles"].get<uint64_t>());
+  for (const Json& variant : scene["variants"]) say("variant          {}\n", variant.dump());
   for (const auto& [kind, count] : scene["lights"].items())
-    if (count > 0) fmt::print("lights           {} {}\n", count.get<uint64_t>(), kind);
-  fmt::print("textures         {} of {} images\n", scene["textures"].get<uint64_t>(),
-             scene["images"].get<uint64_t>());
+    if (count > 0) say("lights           {} {}\n", count.get<uint64_t>(), kind);
+  say("textures         {} of {} images\n", scene["textures"].get<uint64_t>(),
+      scene["images"].get<uint64_t>());
 }
 
 void print(const Json& scene) {
   print_contents(scene);
   for (const auto& [part, bytes] : scene["bytes"].items())
-    fmt::print("memory           {:>10.1f} KiB {}\n", bytes.get<double>() / 1024, part);
-  fmt::print("extensions       {}\n", listed(scene["extensions"]["read"]));
-  fmt::print("  ignored        {}\n", listed(scene["extensions"]["ignored"]));
-  fmt::print("features         {}\n", listed(scene["features"]["present"]));
+    say("memory           {:>10.1f} KiB {}\n", bytes.get<double>() / 1024, part);
+  say("extensions       {}\n", listed(scene["extensions"]["read"]));
+  say("  ignored        {}\n", listed(scene["extensions"]["ignored"]));
+  say("features         {}\n", listed(scene["features"]["present"]));
   for (const auto& [name, removes] : scene["features"]["absent"].items())
-    fmt::print("  without        {:<18} kernels lose {}\n", name, removes.get<std::string>());
-  fmt::print("stages           {}\n", listed(scene["stages"]["run"]));
-  fmt::print("  skipped        {}\n", listed(scene["stages"]["skipped"]));
-  fmt::print("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
-             scene["regularization"]["why"].get<std::string>());
-  fmt::print("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
-             scene["merge_radius"]["rule"].get<std::string>(),
-             scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");
-  for (const Json& warning : scene["warnings"])
-    fmt::print("warning          {}\n", warning.get<std::string>());
+    say("  without        {:<18} kernels lose {}\n", name, removes.get<std::string>());
+  say("stages           {}\n", listed(scene["stages"]["run"]));
+  say("  skipped        {}\n", listed(scene["stages"]["skipped"]));
+  say("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
+      scene["regularization"]["why"].get<std::string>());
+  say("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
+      scene["merge_radius"]["rule"].get<std::string>(),
+      scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");
+  for (const Json& warning : scene["warnings"]) say("warning          {}\n", warning.get<std::string>());
 }
 
 }  // namespace
@@ -266,6 +264,9 @@ void add_inspect_command(CLI::App& app) {
   command->add_flag("--strict", options->is_strict, STRICT_HELP);
   command->callback([options] {
     const Json scene = inspect(*options);
+    OutputGuard guard;
+    guard.add_scene(options->scene_file);
+    if (!options->json.empty()) guard.add_output("--json", options->json);
     if (!options->json.empty())
       image::write_file_atomically(options->json,
                                    scene.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");

@@ -6,13 +6,17 @@
 #include <algorithm>
 #include <cstdio>
 #include <new>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "base/error.hpp"
 #include "base/version.hpp"
+#include "cli/arguments.hpp"
 #include "cli/bench_kernels.hpp"
 #include "cli/commands.hpp"
 #include "cli/diff.hpp"
+#include "cli/standard_streams.hpp"
 
 namespace {
 
@@ -35,14 +39,21 @@ int run(int argc, char** argv) {
   regulus::cli::add_diff_command(app);
   regulus::cli::add_merge_command(app);
   regulus::cli::add_bench_command(app);
+  regulus::cli::refuse_empty_values(app);
+  const std::vector<std::string> arguments = regulus::cli::read_arguments(app, argc, argv);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));  // CLI11 takes the last first
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
-    const bool names_no_command = argc > 1 && argv[1][0] != '-' && app.get_subcommands().empty();
-    const std::string message = names_no_command ? fmt::format("{} is not a command", argv[1]) : error.what();
-    return fail(message + " (see --help)", regulus::ExitStatus::BadUsage);
+    if (error.get_exit_code() == 0) {  // --help, --version
+      std::ostringstream text;
+      app.exit(error, text, text);
+      regulus::cli::say_text(text.str());
+    } else {
+      return fail(regulus::cli::describe_usage_error(app, arguments, error) + " (see --help)",
+                  regulus::ExitStatus::BadUsage);
+    }
   }
+  regulus::cli::finish_stdout();
   return 0;
 }
 
@@ -50,6 +61,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
+    regulus::cli::prepare_streams();
     return run(argc, argv);
   } catch (const regulus::Error& error) {
     return fail(error.what(), error.status());

@@ -7,18 +7,44 @@
 
 #include "base/error.hpp"
 #include "cli/commands.hpp"
+#include "cli/output_guard.hpp"
+#include "cli/output_writer.hpp"
 #include "cli/part.hpp"
+#include "cli/validators.hpp"
+#include "image/atomic_file.hpp"
+#include "image/formats.hpp"
 #include "render/aov.hpp"
 #include "render/film_file.hpp"
 
 namespace regulus::cli {
+
+namespace fs = std::filesystem;
+using image::Format;
 
 namespace {
 
 struct MergeOptions {
   std::string output;
   std::vector<std::string> parts;
+  bool is_forced = false;
 };
+
+// A part is hours of work, and `merge A B` most often lacks the name of the output.
+void require_free_output(const MergeOptions& options) {
+  OutputGuard guard;
+  for (const std::string& part : options.parts) guard.add_input(part, "one of the parts");
+  guard.add_output("OUTPUT", options.output);
+  std::error_code ignored;
+  if (!fs::exists(options.output, ignored) || image::is_device_or_pipe(options.output)) return;
+  if (is_part(options.output))
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("{}: is a part itself, which OUTPUT would replace; name another output first, or "
+                            "remove it",
+                            options.output));
+  if (!options.is_forced)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("{}: exists; name another output, or replace it with --force", options.output));
+}
 
 void require_complete(const Part& part) {
   if (!part.is_complete())
@@ -63,6 +89,10 @@ std::vector<SampleRange> join(std::vector<FiledRange> all) {
 }
 
 void merge(const MergeOptions& options) {
+  require_free_output(options);
+  const Format format =
+      image::require_format("OUTPUT", options.output, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
+  image::require_writable(options.output);
   Part sum = read_part(options.parts.front());
   require_complete(sum);
   std::vector<FiledRange> ranges;
@@ -88,7 +118,14 @@ void merge(const MergeOptions& options) {
   for (const char* color : {"R", "G", "B"}) contents.channels.erase(color);
   render::add_film_channels(sum.film, render::parse_aovs(contents.attributes["regulus:aov"]),
                             contents.channels);
-  write_part(options.output, sum.film, joined, contents.attributes, contents.channels, contents.placement);
+  OutputWriter writer;
+  writer.write(options.output, [&] {
+    if (format == Format::Exr)
+      return encode_part(options.output, sum.film, joined, contents.attributes, contents.channels,
+                         contents.placement);
+    return image::encode_picture(format, render::resolve(sum.film), 0, {}, {}, {}, options.output);
+  });
+  writer.throw_failures();
 }
 
 }  // namespace
@@ -97,8 +134,12 @@ void add_merge_command(CLI::App& app) {
   const auto options = std::make_shared<MergeOptions>();
   CLI::App* command = app.add_subcommand(
       "merge", "Join parts of a render (render --samples) into the image of all their samples");
-  command->add_option("OUTPUT", options->output, "OpenEXR file to write")->required();
+  command
+      ->add_option("OUTPUT", options->output,
+                   "File to write: .exr, which is a part again, or a picture alone in .png, .jpg, .hdr")
+      ->required();
   command->add_option("PART", options->parts, "Files written by render --samples or by merge")->required();
+  command->add_flag("--force", options->is_forced, "Replace OUTPUT if it exists, unless it is a part");
   command->callback([options] { merge(*options); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <charconv>
 #include <numeric>
 #include <set>
@@ -14,6 +15,8 @@ namespace regulus::cli {
 namespace {
 
 constexpr const char* RANGES = "regulus:sample_ranges";
+constexpr const char* CHECKSUM = "regulus:checksum";
+constexpr const char* CHECKSUM_VERSION = "1";
 
 // What may differ between samples of one render: which they are, where they were rendered, and under which
 // name the scene lay there (its hash counts).
@@ -21,6 +24,7 @@ const std::set<std::string> OF_THE_RUN = {"regulus:first_sample",
                                           "regulus:samples",
                                           "regulus:samples_done",
                                           "regulus:sample_ranges",
+                                          "regulus:checksum",
                                           "regulus:paths",
                                           "regulus:light_paths_done",
                                           "regulus:light_paths_per_iteration",
@@ -57,6 +61,79 @@ std::vector<SampleRange> parse_ranges(const std::filesystem::path& path, const s
   }
 }
 
+/// FNV-1a (64 bit) over whole words: two contents that differ in one of them never have the same hash, as the
+/// steps can be undone.
+class Checksum {
+ public:
+  void add(uint64_t word) { hash_ = (hash_ ^ word) * 0x100000001b3u; }
+  void add(const std::string& text) {
+    add(uint64_t{text.size()});
+    for (const unsigned char letter : text) add(uint64_t{letter});
+  }
+  void add(const image::Channel& channel) {
+    add(uint64_t{channel.index()});
+    std::visit(
+        [&](const auto& values) {
+          for (const auto& value : values) add(uint64_t{std::bit_cast<uint32_t>(value)});
+        },
+        channel);
+  }
+  uint64_t value() const { return hash_; }
+
+ private:
+  uint64_t hash_ = 0xcbf29ce484222325u;
+};
+
+/// The version of what is summed up, and the sum.
+std::string checksum_of(const image::Attributes& attributes, const image::Channels& channels, uint32_t width,
+                        uint32_t height, const image::Placement& placement) {
+  Checksum checksum;
+  const uint32_t film_width = placement.film_width != 0 ? placement.film_width : width;
+  const uint32_t film_height = placement.film_height != 0 ? placement.film_height : height;
+  for (const uint32_t number : {width, height, placement.x, placement.y, film_width, film_height})
+    checksum.add(uint64_t{number});
+  for (const auto& [name, text] : attributes) {
+    if (!name.starts_with("regulus:") || name == CHECKSUM) continue;
+    checksum.add(name);
+    checksum.add(text);
+  }
+  for (const auto& [name, channel] : channels) {
+    if (name == "R" || name == "G" || name == "B") continue;
+    checksum.add(name);
+    checksum.add(channel);
+  }
+  return fmt::format("{}:{:016x}", CHECKSUM_VERSION, checksum.value());
+}
+
+void require_checksum(const std::filesystem::path& path, const image::ExrContents& contents) {
+  const image::Attributes& attributes = contents.attributes;
+  const auto found = attributes.find(CHECKSUM);
+  const auto paths = attributes.find("regulus:paths");
+  if (found == attributes.end() && paths == attributes.end()) return;  // a picture; others say that
+  const auto version = attributes.find("regulus:version");
+  const std::string writer = version == attributes.end() ? "an unknown version" : version->second;
+  if (found == attributes.end())
+    throw Error(
+        ExitStatus::BadFile,
+        fmt::format(
+            "{}: has no checksum: it is damaged, or of an older version ({}), which can still read it",
+            path.string(), writer));
+  const std::string& text = found->second;
+  if (text == checksum_of(attributes, contents.channels, contents.width, contents.height, contents.placement))
+    return;
+  const std::string version_of_sum = text.substr(0, text.find(':'));
+  if (version_of_sum != CHECKSUM_VERSION && !version_of_sum.empty() &&
+      version_of_sum.find_first_not_of("0123456789") == std::string::npos)
+    throw Error(
+        ExitStatus::BadFile,
+        fmt::format("{}: has a checksum of version {}, not {}: it is damaged, or of another version ({}), "
+                    "which can read it",
+                    path.string(), version_of_sum, CHECKSUM_VERSION, writer));
+  throw Error(
+      ExitStatus::BadFile,
+      fmt::format("{}: its checksum does not fit; the file is damaged, render it again", path.string()));
+}
+
 std::string format_ranges(const std::vector<SampleRange>& ranges) {
   std::string text;
   for (const SampleRange& range : ranges)
@@ -75,10 +152,19 @@ bool Part::is_complete() const {
   return film.paths == samples() * film.pixels();
 }
 
+bool is_part(const std::filesystem::path& path) {
+  try {
+    return image::read_exr_contents(path).attributes.contains("regulus:paths");
+  } catch (const Error&) {
+    return false;
+  }
+}
+
 Part read_part(const std::filesystem::path& path) {
   Part part;
   part.path = path;
   part.contents = image::read_exr_contents(path);
+  require_checksum(path, part.contents);
   part.film = render::take_film(path, part.contents);
   const auto ranges = part.contents.attributes.find(RANGES);
   part.ranges = parse_ranges(path, ranges == part.contents.attributes.end() ? std::string() : ranges->second);
@@ -88,12 +174,13 @@ Part read_part(const std::filesystem::path& path) {
   return part;
 }
 
-void write_part(const std::filesystem::path& path, const render::Film& film,
-                const std::vector<SampleRange>& ranges, image::Attributes attributes,
-                image::Channels channels, const image::Placement& placement) {
+std::string encode_part(const std::filesystem::path& path, const render::Film& film,
+                        const std::vector<SampleRange>& ranges, image::Attributes attributes,
+                        image::Channels channels, const image::Placement& placement) {
   render::add_film(film, channels, attributes);
   attributes[RANGES] = format_ranges(ranges);
-  image::write_exr(path, render::resolve(film), attributes, channels, placement);
+  attributes[CHECKSUM] = checksum_of(attributes, channels, film.width, film.height, placement);
+  return image::encode_exr(render::resolve(film), attributes, channels, placement, path.string());
 }
 
 void require_same_render(const std::string& name, const image::Attributes& attributes,

@@ -27,14 +27,21 @@ struct Part {
   bool is_complete() const;  ///< every pixel has all of them
 };
 
-/// @throws regulus::Error (BadFile) if the file is no part
+/// Whether a file holds sums of samples, as far as its header says; false if it cannot be read.
+bool is_part(const std::filesystem::path& path);
+
+/// @throws regulus::Error (BadFile) if the file is no part, or its checksum is another or missing: it is
+/// damaged, or was written before there were checksums, and then by a version whose samples this one could
+/// not add to anyway
 Part read_part(const std::filesystem::path& path);
 
-/// Writes an image with its film, the sample ranges it holds, and `channels` beside them.
+/// The bytes of an OpenEXR file with an image, its film, the sample ranges it holds, and `channels` beside
+/// them; and a checksum (regulus:checksum) over all that a reader trusts: attributes of Regulus, windows,
+/// sums and channels but for the colours, which follow from the sums. Errors name `path`.
 /// @throws regulus::Error (Failed)
-void write_part(const std::filesystem::path& path, const render::Film& film,
-                const std::vector<SampleRange>& ranges, image::Attributes attributes,
-                image::Channels channels, const image::Placement& placement);
+std::string encode_part(const std::filesystem::path& path, const render::Film& film,
+                        const std::vector<SampleRange>& ranges, image::Attributes attributes,
+                        image::Channels channels, const image::Placement& placement);
 
 /// Checks that two files hold samples of one render: all settings, the scene and the version of Regulus
 /// agree, but for the samples. @throws regulus::Error (BadFile) that names a setting in which they differ

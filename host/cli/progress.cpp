@@ -26,8 +26,11 @@ void ProgressLine::update(uint64_t paths_done, uint64_t paths_total) {
   const double seconds = std::chrono::duration<double>(now - start_).count();
   const double rate = static_cast<double>(paths_done) / seconds;
   const double left = static_cast<double>(paths_total - paths_done) / rate;
-  fmt::print(stderr, "\r\033[K{:5.1f} %  {:.2f} million samples/s  {:.0f} s left",
-             100.0 * static_cast<double>(paths_done) / static_cast<double>(paths_total), 1e-6 * rate, left);
+  // A terminal that went away is no reason to stop: errors are not looked at.
+  const std::string line = fmt::format(
+      "\r\033[K{:5.1f} %  {:.2f} million samples/s  {:.0f} s left",
+      100.0 * static_cast<double>(paths_done) / static_cast<double>(paths_total), 1e-6 * rate, left);
+  std::fputs(line.c_str(), stderr);
   std::fflush(stderr);
 }
 

@@ -18,10 +18,13 @@
 #include "cli/merge_radius.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_options.hpp"
+#include "cli/render_outputs.hpp"
+#include "cli/standard_streams.hpp"
 #include "cli/stats.hpp"
 #include "cli/stop_rule.hpp"
 #include "cli/strategy_images.hpp"
 #include "image/atomic_file.hpp"
+#include "image/formats.hpp"
 #include "render/aov.hpp"
 #include "render/film_file.hpp"
 #include "render/renderer.hpp"
@@ -58,44 +61,18 @@ void set_up_log(const RenderOptions& options) {
                                          : spdlog::level::warn);
 }
 
-// An output that cannot be written is better known before an hour of rendering than after it.
-void require_writable(const fs::path& file, const char* option) {
-  if (file.empty()) return;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  std::error_code error;
-  if (!fs::is_directory(folder, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
-                                                file.string(), folder.string()));
-  if (fs::is_directory(file, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
-}
-
-struct Outputs {
-  fs::path exr, png, stats;
-};
-
-Outputs resolve_outputs(const RenderOptions& options) {
-  Outputs outputs{options.output, options.png, options.stats};
-  if (outputs.exr.empty()) outputs.exr = fs::path(options.scene_file).filename().replace_extension(".exr");
-  require_writable(outputs.exr, "--output");
-  require_writable(outputs.png, "--png");
-  require_writable(outputs.stats, "--stats");
-  require_writable(options.checkpoint, "--checkpoint");
-  if (!options.strategy_images.empty() && !options.checkpoint.empty())
-    throw Error(ExitStatus::BadUsage,
-                "--strategy-images: a checkpoint does not hold them; leave out --checkpoint");
-  if (!options.strategy_images.empty()) make_strategy_folder(options.strategy_images);
-  return outputs;
-}
-
-void write_outputs(const Outputs& outputs, const RenderOptions& options, const image::Image& image,
-                   const nlohmann::json& statistics) {
-  if (!outputs.png.empty()) image::write_png(outputs.png, image, options.exposure_ev);
-  if (!outputs.stats.empty()) image::write_file_atomically(outputs.stats, statistics.dump(2) + "\n");
+// Preview and statistics.
+void write_others(OutputWriter& writer, const RenderOutputs& outputs, const RenderOptions& options,
+                  const image::Image& image, const nlohmann::json& statistics) {
+  if (!outputs.png.empty())
+    writer.write(outputs.png, [&] {
+      return image::encode_tone_mapped(image::Format::Png, image, options.exposure_ev, outputs.png.string());
+    });
+  if (!outputs.stats.empty()) writer.write(outputs.stats, [&] { return statistics.dump(2) + "\n"; });
 }
 
 void report(const render::Renderer& renderer, const render::RenderSettings& settings,
-            const Outputs& outputs) {
+            const RenderOutputs& outputs) {
   const render::RenderStatistics& statistics = renderer.statistics();
   if (statistics.non_finite > 0)
     spdlog::error("{} samples were not finite and were dropped: a bug, please report the scene",
@@ -105,16 +82,16 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
                   statistics.traversal_overruns);
   const render::Window window = settings.window();
   const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
-  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)", outputs.exr.string(),
-               window.width, window.height, statistics.paths / window.pixels(), statistics.render_seconds,
-               1e-6 * paths / std::max(statistics.render_seconds, 1e-9));
+  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)",
+               outputs.picture.string(), window.width, window.height, statistics.paths / window.pixels(),
+               statistics.render_seconds, 1e-6 * paths / std::max(statistics.render_seconds, 1e-9));
 }
 
 // Throws the error of a render that was stopped; its outputs are written.
-void require_complete(bool is_complete, const Outputs& outputs) {
+void require_complete(bool is_complete, const RenderOutputs& outputs) {
   if (!is_complete)
     throw Error(ExitStatus::Interrupted,
-                fmt::format("interrupted; {} holds what was rendered", outputs.exr.string()));
+                fmt::format("interrupted; {} holds what was rendered", outputs.picture.string()));
 }
 
 image::Placement placement_of(const render::RenderSettings& settings) {
@@ -123,8 +100,9 @@ image::Placement placement_of(const render::RenderSettings& settings) {
 }
 
 // --backend reference. Its statistics are those that need no device.
-void render_by_reference(const RenderOptions& options, const Outputs& outputs, const scene::Scene& scene,
-                         const bvh::Bvh& bvh, const render::RenderSettings& settings) {
+void render_by_reference(const RenderOptions& options, const RenderOutputs& outputs,
+                         const scene::Scene& scene, const bvh::Bvh& bvh,
+                         const render::RenderSettings& settings) {
   if (options.time_limit || options.noise_target)
     throw Error(ExitStatus::BadUsage,
                 "--time and --noise need --backend vulkan; give --spp to the reference");
@@ -147,27 +125,35 @@ void render_by_reference(const RenderOptions& options, const Outputs& outputs, c
   attributes["regulus:device"] = "scalar reference";
   attributes["regulus:samples_done"] = std::to_string(rendered.samples);
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
-  image::write_exr(outputs.exr, rendered.image, attributes, rendered.channels, placement_of(settings));
-  write_outputs(outputs, options, rendered.image, nlohmann::json(attributes));
-  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.exr.string(),
+  OutputWriter writer;
+  writer.write(outputs.picture, [&] {
+    return image::encode_picture(outputs.format, rendered.image, options.exposure_ev, attributes,
+                                 rendered.channels, placement_of(settings), outputs.picture.string());
+  });
+  write_others(writer, outputs, options, rendered.image, nlohmann::json(attributes));
+  writer.throw_failures();
+  spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.picture.string(),
                rendered.image.width, rendered.image.height, rendered.samples, seconds);
   require_complete(rendered.samples == settings.samples, outputs);
 }
 
+// A word more than what was asked for, which is the picture.
 void print_noise(double noise, double target) {
+  forgive_stdout();
   if (std::isnan(noise))
-    fmt::print("relative error unknown: more samples are needed to estimate it\n");
+    say("relative error unknown: more samples are needed to estimate it\n");
   else
-    fmt::print("estimated relative error {:.4g}{}\n", noise,
-               noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
+    say("estimated relative error {:.4g}{}\n", noise,
+        noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
 }
 
-// The film that --resume goes on from; none if there is no checkpoint yet. Without --resume a checkpoint is
-// not overwritten: it may be hours of work.
+// The film that --resume goes on from; none if there is no checkpoint yet, or a device in its place. Without
+// --resume a checkpoint is not overwritten: it may be hours of work.
 std::optional<render::Film> find_checkpoint(const RenderOptions& options, const scene::Scene& scene,
                                             const render::RenderSettings& settings) {
   std::error_code error;
-  if (options.checkpoint.empty() || !fs::exists(options.checkpoint, error)) return std::nullopt;
+  if (!fs::exists(options.checkpoint, error) || image::is_device_or_pipe(options.checkpoint))
+    return std::nullopt;
   if (!options.is_resumed)
     throw Error(ExitStatus::BadUsage,
                 fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it",
@@ -177,9 +163,10 @@ std::optional<render::Film> find_checkpoint(const RenderOptions& options, const 
 
 // The picture, with its AOVs, and with its sums if it is a range of samples. A device that is lost makes no
 // AOVs of surfaces any more.
-image::Image write_image(const Outputs& outputs, const RenderOptions& options, const scene::Scene& scene,
-                         const render::RenderSettings& settings, const image::Attributes& attributes,
-                         render::Renderer& renderer, bool is_device_lost) {
+image::Image write_image(OutputWriter& writer, const RenderOutputs& outputs, const RenderOptions& options,
+                         const scene::Scene& scene, const render::RenderSettings& settings,
+                         const image::Attributes& attributes, render::Renderer& renderer,
+                         bool is_device_lost) {
   const render::Film& film = renderer.film();
   image::Channels channels;
   if ((settings.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
@@ -188,24 +175,28 @@ image::Image write_image(const Outputs& outputs, const RenderOptions& options, c
     render::add_sigma_channels(renderer.surface_footprints(), channels);
   render::add_film_channels(film, settings.aovs, channels);
   image::Image image = resolve(film);
-  if (options.sample_range.empty())
-    image::write_exr(outputs.exr, image, attributes, channels, placement_of(settings));
-  else
-    write_part(outputs.exr, film, {{settings.first_sample, settings.samples}}, attributes, channels,
-               placement_of(settings));
+  writer.write(outputs.picture, [&] {
+    if (!options.sample_range.empty())
+      return encode_part(outputs.picture, film, {{settings.first_sample, settings.samples}}, attributes,
+                         channels, placement_of(settings));
+    return image::encode_picture(outputs.format, image, options.exposure_ev, attributes, channels,
+                                 placement_of(settings), outputs.picture.string());
+  });
   return image;
 }
 
 void render_scene(CLI::App& command, RenderOptions& options) {
   set_up_log(options);
   lift_sample_limit(command, options);
-  const Outputs outputs = resolve_outputs(options);
+  OutputGuard guard;
+  const RenderOutputs outputs = resolve_outputs(options, guard);
   Stopwatch stopwatch;
   LoadTimes times;
 
   scene::Scene scene = scene::load(options.scene_file, load_options(options));
   apply_scene_settings(command, scene);
   render::RenderSettings settings = resolve_settings(options, scene);
+  check_outputs(outputs, options, settings, guard);
   times.load_seconds = stopwatch.lap();
 
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
@@ -229,8 +220,10 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   times.pipeline_seconds = device.pipeline_seconds();
   if (earlier) resume(renderer, options.checkpoint, *earlier);
   Checkpoint checkpoint(options.checkpoint, options.checkpoint_seconds, [&](const render::Film& film) {
-    write_part(options.checkpoint, film, {{settings.first_sample, settings.samples}},
-               image_attributes(device, scene, settings, renderer), {}, placement_of(settings));
+    const std::string bytes =
+        encode_part(options.checkpoint, film, {{settings.first_sample, settings.samples}},
+                    image_attributes(device, scene, settings, renderer), {}, placement_of(settings));
+    image::write_file_atomically(options.checkpoint, bytes);
   });
 
   catch_interrupts();
@@ -253,18 +246,22 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   stop.is_reached(renderer.film(), renderer.film().paths);  // says the noise of what is written
   nlohmann::json statistics = render_statistics(device, scene, settings, renderer, times);
   if (options.noise_target) statistics["noise"] = stop.noise();
+  OutputWriter writer;
   const image::Image image =
-      write_image(outputs, options, scene, settings, image_attributes(device, scene, settings, renderer),
-                  renderer, failure.has_value());
-  write_outputs(outputs, options, image, statistics);
+      write_image(writer, outputs, options, scene, settings,
+                  image_attributes(device, scene, settings, renderer), renderer, failure.has_value());
+  write_others(writer, outputs, options, image, statistics);
   if (!options.strategy_images.empty() && !failure)
-    write_strategy_images(options.strategy_images, renderer, settings.max_depth,
+    write_strategy_images(writer, options.strategy_images, renderer, settings.max_depth,
                           image_attributes(device, scene, settings, renderer), options.exposure_ev);
   report(renderer, settings, outputs);
   if (options.noise_target && !options.is_quiet) print_noise(stop.noise(), *options.noise_target);
-  if (failure)
-    throw Error(failure->status(),
-                fmt::format("{}; {} holds what was rendered before", failure->what(), outputs.exr.string()));
+  if (failure && writer.has_failed())
+    spdlog::error("{}", failure->what());
+  else if (failure)
+    throw Error(failure->status(), fmt::format("{}; {} holds what was rendered before", failure->what(),
+                                               outputs.picture.string()));
+  writer.throw_failures();
   require_complete(is_finished, outputs);
 }
 
@@ -272,7 +269,7 @@ void render_scene(CLI::App& command, RenderOptions& options) {
 
 void add_render_command(CLI::App& app) {
   const auto options = std::make_shared<RenderOptions>();
-  CLI::App* command = app.add_subcommand("render", "Render a glTF scene to OpenEXR");
+  CLI::App* command = app.add_subcommand("render", "Render a glTF scene to a picture");
   declare_render_options(*command, *options);
   command->callback([command, options] { render_scene(*command, *options); });
 }

@@ -1,6 +1,7 @@
 #include "cli/render_options.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -10,7 +11,9 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/near_names.hpp"
 #include "cli/strategy_images.hpp"
+#include "cli/validators.hpp"
 #include "render/aov.hpp"
 
 namespace regulus::cli {
@@ -69,6 +72,21 @@ const std::set<std::string> COMMAND_LINE_ONLY = {
     "env-scale", "samples", "checkpoint",     "checkpoint-seconds",
     "resume"};
 
+std::vector<std::string> scene_setting_names(const CLI::App& command) {
+  std::vector<std::string> names = {"environment", "variant"};
+  for (const CLI::Option* option : command.get_options())
+    for (const std::string& name : option->get_lnames())
+      if (!COMMAND_LINE_ONLY.contains(name)) names.push_back(name);
+  return names;
+}
+
+/// From how many lights on --light-sampling auto is the tree.
+size_t many_lights() {
+  size_t count = 1;
+  while (scene::resolve_light_sampling(LIGHT_SAMPLING_AUTO, count) != LIGHT_SAMPLING_BVH) ++count;
+  return count;
+}
+
 glm::uvec2 parse_size(const std::string& text) {
   glm::uvec2 size{0};
   const size_t x = text.find('x');
@@ -111,13 +129,17 @@ void parse_sample_range(const std::string& text, render::RenderSettings& setting
 }
 
 uint32_t find_camera(const std::string& wanted, const scene::Scene& scene) {
-  std::string names;
+  constexpr size_t MOST_LISTED = 20;
+  std::string list;
+  std::vector<std::string> names;
   for (uint32_t i = 0; i < scene.cameras.size(); ++i) {
     if (wanted == scene.cameras[i].name || wanted == std::to_string(i)) return i;
-    names += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, scene.cameras[i].name);
+    names.push_back(scene.cameras[i].name);
+    if (i < MOST_LISTED) list += fmt::format("{}{} \"{}\"", i == 0 ? "" : ", ", i, names.back());
   }
-  throw Error(ExitStatus::BadUsage,
-              fmt::format("--camera {}: {} has {}", wanted, scene.path.string(), names));
+  if (names.size() > MOST_LISTED) list += fmt::format(" and {} more", names.size() - MOST_LISTED);
+  throw Error(ExitStatus::BadUsage, fmt::format("--camera {}: {} has {}{}", wanted, scene.path.string(), list,
+                                                suggest(wanted, names)));
 }
 
 uint32_t parse_techniques(const std::string& list) {
@@ -126,9 +148,8 @@ uint32_t parse_techniques(const std::string& list) {
   for (std::string name; std::getline(stream, name, ',');) {
     const auto found = TECHNIQUE_NAMES.find(name);
     if (found == TECHNIQUE_NAMES.end())
-      throw Error(
-          ExitStatus::BadUsage,
-          fmt::format("--techniques {}: \"{}\" is not one of hit, nee, splat, connect, merge", list, name));
+      throw Error(ExitStatus::BadUsage,
+                  fmt::format("--techniques {}: {}", list, unknown_name(name, names_of(TECHNIQUE_NAMES))));
     techniques |= found->second;
   }
   if (techniques == 0) throw Error(ExitStatus::BadUsage, "--techniques: the list is empty");
@@ -186,13 +207,15 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("scene-file", options.scene_file, "The .gltf or .glb file to render")
       ->required()
       ->type_name("SCENE");
-  command.add_option("-o,--output", options.output, "OpenEXR file to write (default: the scene's name)");
+  command.add_option("-o,--output", options.output,
+                     "Picture to write, in the format of its extension: .exr, tone-mapped .png or .jpg, .hdr "
+                     "(default: the scene's name with .exr)");
   command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG");
-  command.add_option("--exposure", options.exposure_ev, "Exposure of the PNG, in stops")
-      ->check(CLI::Range(-100.0, 100.0));
+  command.add_option("--exposure", options.exposure_ev, "Exposure of PNG and JPEG, in stops")
+      ->check(number_in(-100.0, 100.0));
   command
       .add_option("-i,--integrator", options.integrator, "A named set of techniques: pt, lt, bpt, bpm, vcm")
-      ->check(CLI::IsMember(INTEGRATORS));
+      ->check(one_of(names_of(INTEGRATORS)));
   command.add_option("--techniques", options.techniques,
                      "The techniques themselves, comma-separated: hit,nee,splat,connect,merge");
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP);
@@ -201,11 +224,11 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                   "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
       ->check(CLI::Range(1u, 1u << 28));
   command
-      .add_option(
-          "--light-sampling", settings.light_sampling,
-          "How surfaces choose the light they sample: bvh (by what it can send there), power, uniform, "
-          "auto (bvh from 32 lights on)")
-      ->transform(CLI::CheckedTransformer(LIGHT_SAMPLING_NAMES))
+      .add_option("--light-sampling", settings.light_sampling,
+                  fmt::format("How surfaces choose the light they sample: bvh (by what it can send there), "
+                              "power, uniform, auto (bvh from {} lights on)",
+                              many_lights()))
+      ->transform(choice(LIGHT_SAMPLING_NAMES))
       ->default_str("auto");
   command.add_option("--connections", options.connections,
                      "Light vertices a camera vertex connects to: paired (those of its own light path) or "
@@ -217,7 +240,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--merge-reduction", settings.merge_reduction,
                   "The merge radius of iteration i is the first one's times i to minus this power")
-      ->check(CLI::Range(0.0, 0.5))
+      ->check(number_in(0.0, 0.5))
       ->capture_default_str();
   command
       .add_option(
@@ -225,47 +248,47 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "How connections and merges see glossy and specular surfaces: none (as they are), roughness "
           "(with raised roughness), virtual-merge (by what they send into a small cone), both (with raised "
           "roughness, and as they are)")
-      ->transform(CLI::CheckedTransformer(REGULARIZATION_NAMES))
+      ->transform(choice(REGULARIZATION_NAMES))
       ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
   command
       .add_option(
           "--tau", settings.tau,
           "Largest density of a regularized lobe, in 1/sr: smaller blurs more (inf: no regularization)")
-      ->check(CLI::PositiveNumber)
+      ->check(positive_or_infinite())
       ->capture_default_str();
   command.add_option("--bound", settings.bound, "How roughness follows from tau: peak, smith, directional")
-      ->transform(CLI::CheckedTransformer(BOUND_NAMES))
+      ->transform(choice(BOUND_NAMES))
       ->default_str("peak");
   command
       .add_option(
           "--tau-schedule", options.tau_schedule,
           "fixed, or consistent: less roughness with every iteration, so that the image converges to the "
           "truth")
-      ->transform(CLI::CheckedTransformer(SCHEDULE_NAMES))
+      ->transform(choice(SCHEDULE_NAMES))
       ->default_str("consistent");
   command
       .add_option("--diffusion", options.diffusion,
                   "on: what the camera sees directly or through sharp surfaces alone is not regularized; off")
-      ->transform(CLI::CheckedTransformer(DIFFUSION_NAMES))
+      ->transform(choice(DIFFUSION_NAMES))
       ->default_str("on");
   command
       .add_option("--sampler-quality", settings.sampler_quality,
                   "on: paths that some technique samples well are not regularized; smooth: with a soft "
                   "transition; off")
-      ->transform(CLI::CheckedTransformer(SAMPLER_QUALITY_NAMES))
+      ->transform(choice(SAMPLER_QUALITY_NAMES))
       ->default_str("off");
   command
       .add_option(
           "--mis", settings.mis,
           "Weights of regularized techniques: blended, corrected (by sample values), unmodified (wrong; for "
           "comparison)")
-      ->transform(CLI::CheckedTransformer(MIS_NAMES))
+      ->transform(choice(MIS_NAMES))
       ->default_str("blended");
   command
       .add_option(
           "--clamp", settings.largest_contribution,
           "Largest value that one technique may add to a sample: fewer fireflies, lost light; for comparison")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_or_infinite());
   command.add_option("-s,--spp", settings.samples, "Samples per pixel")
       ->check(CLI::Range(1u, MAX_SAMPLES))
       ->capture_default_str();
@@ -278,19 +301,19 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "--time", options.time_limit,
           "Stop after this many seconds of rendering, but not before every pixel has a sample. Without "
           "--spp on the command line as many samples as the time allows")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(number_in(0.0, 1e9));
   command
       .add_option(
           "--noise", options.noise_target,
           "Stop when the estimated relative error of the picture (root of relmse) is this small. Without "
           "--spp on the command line as many samples as that takes")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(number_in(0.0, 1e3));
   command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
   command.add_option("--crop", options.crop,
                      "x0,y0,x1,y1: only these pixels, from the top left, x1 and y1 excluded");
   command.add_option(
       "--aov", options.aovs,
-      "Extra channels, comma-separated: albedo, N, Ng, P, Z, material, instance, sigma, variance, samples");
+      fmt::format("Extra channels, comma-separated: {}", fmt::join(render::known_aovs(), ", ")));
   command.add_option("--camera", options.camera, "Camera by name or index");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
   command.add_option("--variant", options.variant,
@@ -301,9 +324,9 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--env-rotation", options.environment_rotation,
                   "Turns the environment about +y by this many degrees, counterclockwise seen from above")
-      ->check(CLI::Range(-1e6, 1e6));
+      ->check(number_in(-1e6, 1e6));
   command.add_option("--env-scale", options.environment_scale, "Factor on the environment's radiance")
-      ->check(CLI::Range(0.0, 1e12));
+      ->check(number_in(0.0, 1e12));
   command.add_option("--max-depth", settings.max_depth, "Longest path, in edges")
       ->check(CLI::Range(1u, 1024u))
       ->capture_default_str();
@@ -311,31 +334,31 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--sampler", settings.sampler,
                   "Random numbers: sobol (scrambled Sobol points), hash (independent)")
-      ->transform(CLI::CheckedTransformer(SAMPLER_NAMES))
+      ->transform(choice(SAMPLER_NAMES))
       ->default_str("sobol");
   command.add_option("--ndf", settings.ndf, "Microfacet distribution: ggx, beckmann, cosine")
-      ->transform(CLI::CheckedTransformer(NDF_NAMES))
+      ->transform(choice(NDF_NAMES))
       ->default_str("ggx");
   command
       .add_option("--shadowing", settings.shadowing,
                   "Masking-shadowing: smith (height-correlated), smith-uncorrelated, v-cavity")
-      ->transform(CLI::CheckedTransformer(SHADOWING_NAMES))
+      ->transform(choice(SHADOWING_NAMES))
       ->default_str("smith");
   command.add_flag("--energy-compensation", settings.has_energy_compensation,
                    "Rough metals, plastics and glass give back what single scattering between facets loses");
   command.add_option("--filter", settings.filter, "Pixel filter: blackman-harris, gaussian, box")
-      ->transform(CLI::CheckedTransformer(FILTER_NAMES))
+      ->transform(choice(FILTER_NAMES))
       ->default_str("blackman-harris");
   command
       .add_option("--filter-radius", options.filter_radius,
                   "Radius of the filter in pixels (default: box 0.5, others 1.5)")
-      ->check(CLI::Range(0.0f, 16.0f));
+      ->check(number_in(0.0, 16.0));
   command.add_option("--device", options.device,
                      "Vulkan device by index or part of its name (see regulus devices)");
   command
       .add_option("--backend", options.backend,
                   "vulkan, or reference: the scalar double-precision reference, slow and without a device")
-      ->check(CLI::IsMember({"vulkan", "reference"}))
+      ->check(one_of({"vulkan", "reference"}))
       ->capture_default_str();
   command.add_option("--wave", settings.wave_paths,
                      "Paths in flight (default: chosen for the device; never changes the image)");
@@ -345,7 +368,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--checkpoint-seconds", options.checkpoint_seconds,
                   "Seconds between two states of the checkpoint")
-      ->check(CLI::Range(0.0, 1e9))
+      ->check(number_in(0.0, 1e9))
       ->capture_default_str();
   command.add_flag("--resume", options.is_resumed, "Go on from the checkpoint if there is one")
       ->needs("--checkpoint");
@@ -368,8 +391,8 @@ void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
   for (const auto& [name, value] : scene.settings) {
     CLI::Option* option = command.get_option_no_throw("--" + name);
     if (option == nullptr || COMMAND_LINE_ONLY.contains(name)) {
-      scene.warnings.push_back(
-          fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored", name));
+      scene.warnings.push_back(fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored{}",
+                                           name, suggest(name, scene_setting_names(command))));
     } else if (option->count() == 0) {
       try {
         option->add_result(value);

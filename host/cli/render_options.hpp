@@ -17,7 +17,7 @@ inline constexpr const char* STRICT_HELP =
 /// What the command line of `render` says, before the scene is known.
 struct RenderOptions {
   std::string scene_file;
-  std::string output;              ///< EXR; empty: the scene's name with .exr in the working folder
+  std::string output;              ///< picture; empty: the scene's name with .exr in the working folder
   std::string png;                 ///< empty: none
   std::string stats;               ///< empty: none
   std::string strategy_images;     ///< folder; empty: none

@@ -6,6 +6,8 @@
 #include <map>
 
 #include "base/error.hpp"
+#include "image/formats.hpp"
+#include "render/strategies.hpp"
 
 namespace regulus::cli {
 
@@ -20,6 +22,8 @@ const char* const STRATEGY_IMAGES_HELP =
     "grows to the right, merges after the others; weighted above, unweighted below";
 
 namespace {
+
+constexpr const char *SHEET = "sheet.png", *WEIGHTED = "-weighted.exr", *UNWEIGHTED = "-unweighted.exr";
 
 // Longest side of a picture on the sheet, pixels; and the space around it.
 constexpr uint32_t THUMBNAIL = 96, MARGIN = 2;
@@ -81,19 +85,32 @@ void make_strategy_folder(const fs::path& folder) {
                 fmt::format("--strategy-images {}: cannot make this folder; name another", folder.string()));
 }
 
-void write_strategy_images(const fs::path& folder, const render::Renderer& renderer, uint32_t max_depth,
-                           const image::Attributes& attributes, float exposure_ev) {
+std::vector<fs::path> strategy_files(const fs::path& folder, const render::RenderSettings& settings) {
+  std::vector<fs::path> files = {folder / SHEET};
+  for (const render::Strategy& strategy : render::list_strategies(settings.techniques, settings.max_depth))
+    for (const char* ending : {WEIGHTED, UNWEIGHTED}) files.push_back(folder / (strategy.name() + ending));
+  return files;
+}
+
+void write_strategy_images(OutputWriter& writer, const fs::path& folder, const render::Renderer& renderer,
+                           uint32_t max_depth, const image::Attributes& attributes, float exposure_ev) {
   Sheet sheet;
   renderer.for_each_strategy([&](const render::StrategyImages& images) {
     const render::Strategy& strategy = images.strategy;
-    image::write_exr(folder / (strategy.name() + "-weighted.exr"), images.weighted, attributes);
-    image::write_exr(folder / (strategy.name() + "-unweighted.exr"), images.unweighted, attributes);
+    const auto write = [&](const char* ending, const image::Image& picture) {
+      const fs::path file = folder / (strategy.name() + ending);
+      writer.write(file, [&] { return image::encode_exr(picture, attributes, {}, {}, file.string()); });
+    };
+    write(WEIGHTED, images.weighted);
+    write(UNWEIGHTED, images.unweighted);
     // Without merges a path of k edges has s = 0 ... k.
     const uint32_t column = strategy.is_merge() ? max_depth + strategy.s - 1 : strategy.s;
     sheet.place(strategy.edges() - 1, column, images.weighted);
     sheet.place(max_depth + strategy.edges() - 1, column, images.unweighted);
   });
-  image::write_png(folder / "sheet.png", sheet.compose(), exposure_ev);
+  writer.write(folder / SHEET, [&] {
+    return image::encode_tone_mapped(image::Format::Png, sheet.compose(), exposure_ev, SHEET);
+  });
 }
 
 }  // namespace regulus::cli

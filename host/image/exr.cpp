@@ -45,10 +45,11 @@ std::string one_line(std::string text) {
   throw Error(ExitStatus::BadFile, fmt::format("{}: {}", path.string(), one_line(reason)));
 }
 
-void require_size(const fs::path& path, const std::string& channel, const size_t found, const size_t wanted) {
+void require_size(const std::string_view name, const std::string& channel, const size_t found,
+                  const size_t wanted) {
   if (found == wanted) return;
-  throw Error(ExitStatus::Failed, fmt::format("{}: channel {} has {} values instead of {}", path.string(),
-                                              channel, found, wanted));
+  throw Error(ExitStatus::Failed,
+              fmt::format("{}: channel {} has {} values instead of {}", name, channel, found, wanted));
 }
 
 Imf::PixelType pixel_type(const Channel& channel) {
@@ -87,8 +88,8 @@ Imf::Slice rgb_slice(const Image& image, const size_t component, const Imath::Bo
                           3 * sizeof(float) * image.width);
 }
 
-std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
-                       const Placement& placement) {
+std::string encode_checked(const Image& image, const Attributes& attributes, const Channels& channels,
+                           const Placement& placement) {
   const Imf::Header header = make_header(image, attributes, channels, placement);
   const Imath::Box2i& window = header.dataWindow();
   Imf::FrameBuffer pixels;
@@ -231,19 +232,22 @@ auto open_and_read(const fs::path& path, const Read& read) {
 
 }  // namespace
 
-void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,
-               const Channels& channels, const Placement& placement) {
+std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
+                       const Placement& placement, const std::string_view name) {
   const size_t pixel_count = size_t{image.width} * image.height;
-  require_size(path, "RGB", image.rgb.size(), 3 * pixel_count);
-  for (const auto& [name, channel] : channels) require_size(path, name, value_count(channel), pixel_count);
-  std::string bytes;
+  require_size(name, "RGB", image.rgb.size(), 3 * pixel_count);
+  for (const auto& [key, channel] : channels) require_size(name, key, value_count(channel), pixel_count);
   try {
-    bytes = encode_exr(image, attributes, channels, placement);
+    return encode_checked(image, attributes, channels, placement);
   } catch (const std::exception& error) {
     throw Error(ExitStatus::Failed,
-                fmt::format("{}: cannot be encoded as OpenEXR ({})", path.string(), one_line(error.what())));
+                fmt::format("{}: cannot be encoded as OpenEXR ({})", name, one_line(error.what())));
   }
-  write_file_atomically(path, bytes);
+}
+
+void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,
+               const Channels& channels, const Placement& placement) {
+  write_file_atomically(path, encode_exr(image, attributes, channels, placement, path.string()));
 }
 
 Image read_exr(const fs::path& path, Attributes* attributes) {

@@ -7,7 +7,8 @@
 
 namespace regulus::image {
 
-/// PNG of flip_map (image.hpp) on the colours of write_heat_map, evenly from 0 (black) to 1 (pale yellow).
+/// flip_map (image.hpp) on the colours of write_heat_map, evenly from 0 (black) to 1 (pale yellow); PNG or
+/// JPEG by the name of the file.
 /// @throws regulus::Error (BadFile, Failed).
 void write_flip_picture(const std::filesystem::path& path, const Image& image, const Image& reference);
 

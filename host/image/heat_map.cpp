@@ -4,6 +4,7 @@
 
 #include "image/atomic_file.hpp"
 #include "image/flip_picture.hpp"
+#include "image/formats.hpp"
 #include "image/image.hpp"
 
 namespace regulus::image {
@@ -26,6 +27,10 @@ Rgb8 scale_color(const double position) {
   return color;
 }
 
+Format format_of_map(const std::filesystem::path& path) {
+  return format_of(path).value_or(Format::Png);
+}
+
 }  // namespace
 
 double relative_error(const float* const pixel, const float* const reference) {
@@ -38,7 +43,8 @@ double relative_error(const float* const pixel, const float* const reference) {
   return std::sqrt(squared_error / (mean * mean + RELATIVE_EPSILON));
 }
 
-std::string encode_heat_map(const Image& image, const Image& reference, const std::string_view name) {
+std::string encode_heat_map(const Format format, const Image& image, const Image& reference,
+                            const std::string_view name) {
   require_same_size(image, reference);
   std::vector<uint8_t> bytes(image.rgb.size());
   for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
@@ -46,21 +52,26 @@ std::string encode_heat_map(const Image& image, const Image& reference, const st
     const Rgb8 color = std::isfinite(error) ? scale_color(1 + std::log10(error) / 3) : NON_FINITE;
     std::copy(color.begin(), color.end(), bytes.begin() + static_cast<std::ptrdiff_t>(i));
   }
-  return encode_png8(image.width, image.height, bytes, name);
+  return encode_rgb8(format, image.width, image.height, bytes, name);
 }
 
-void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference) {
-  write_file_atomically(path, encode_heat_map(image, reference, path.string()));
-}
-
-void write_flip_picture(const std::filesystem::path& path, const Image& image, const Image& reference) {
+std::string encode_flip_map(const Format format, const Image& image, const Image& reference,
+                            const std::string_view name) {
   std::vector<uint8_t> bytes;
   bytes.reserve(image.rgb.size());
   for (const float error : flip_map(image, reference)) {
     const Rgb8 color = scale_color(error);
     bytes.insert(bytes.end(), color.begin(), color.end());
   }
-  write_png8(path, image.width, image.height, bytes);
+  return encode_rgb8(format, image.width, image.height, bytes, name);
+}
+
+void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference) {
+  write_file_atomically(path, encode_heat_map(format_of_map(path), image, reference, path.string()));
+}
+
+void write_flip_picture(const std::filesystem::path& path, const Image& image, const Image& reference) {
+  write_file_atomically(path, encode_flip_map(format_of_map(path), image, reference, path.string()));
 }
 
 }  // namespace regulus::image

@@ -1,5 +1,6 @@
-// Images on disk and in memory: OpenEXR in and out, tone-mapped PNG out, error metrics. All files are
-// written to a temporary name in the same folder and renamed, so no reader ever sees half a file.
+// Images on disk and in memory: OpenEXR in and out, tone-mapped PNG out (other formats: formats.hpp), error
+// metrics. All files are written to a temporary name in the same folder and renamed, so no reader ever sees
+// half a file.
 #pragma once
 
 #include <array>
@@ -35,6 +36,10 @@ struct Placement {
 /// Single part, 32 bits, ZIP. @throws regulus::Error (Failed) naming the file if it cannot be written.
 void write_exr(const std::filesystem::path& path, const Image& image, const Attributes& attributes = {},
                const Channels& channels = {}, const Placement& placement = {});
+
+/// The bytes of what write_exr writes; errors name `name`. @throws regulus::Error (Failed).
+std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
+                       const Placement& placement, std::string_view name);
 
 /// Everything that write_exr writes.
 struct ExrContents {
@@ -79,15 +84,6 @@ float srgb_encode(float linear);
 /// 8-bit sRGB PNG of the image scaled by 2^exposure_ev and tone-mapped. @throws regulus::Error (Failed).
 void write_png(const std::filesystem::path& path, const Image& image, float exposure_ev = 0);
 
-/// PNG of encoded 8-bit RGB triples, rows from the top. @throws regulus::Error (Failed).
-void write_png8(const std::filesystem::path& path, uint32_t width, uint32_t height,
-                const std::vector<uint8_t>& rgb);
-
-/// The bytes of what write_png and write_png8 write; errors name `name`. @throws regulus::Error (Failed).
-std::string encode_png(const Image& image, float exposure_ev, std::string_view name);
-std::string encode_png8(uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb,
-                        std::string_view name);
-
 /// Metrics of image against reference. Sums in double. NaN if no value is finite in both images.
 struct Metrics {
   double mse = 0;     ///< mean over pixels and channels of (a - r)^2
@@ -127,12 +123,10 @@ void require_same_size(const Image& image, const Image& reference);
 /// Root of a pixel's mrse (see Metrics) of two RGB triples.
 double relative_error(const float* pixel, const float* reference);
 
-/// PNG with the relative error of each pixel on a logarithmic scale: 0.001 and less is black, 0.01 purple,
-/// 0.1 orange, 1 and more pale yellow; a pixel with NaN or infinity is cyan. @throws regulus::Error (BadFile,
-/// Failed).
+/// Picture with the relative error of each pixel on a logarithmic scale: 0.001 and less is black, 0.01
+/// purple, 0.1 orange, 1 and more pale yellow; a pixel with NaN or infinity is cyan. PNG or JPEG, see
+/// formats.hpp.
+/// @throws regulus::Error (BadFile, Failed).
 void write_heat_map(const std::filesystem::path& path, const Image& image, const Image& reference);
-
-/// The bytes of what write_heat_map writes; errors name `name`. @throws regulus::Error (BadFile, Failed).
-std::string encode_heat_map(const Image& image, const Image& reference, std::string_view name);
 
 }  // namespace regulus::image

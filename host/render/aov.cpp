@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/near_names.hpp"
 #include "render/settings.hpp"
 
 namespace regulus::render {
@@ -50,6 +51,12 @@ void add_indices(const std::vector<AovPixel>& pixels, const char* name, uint32_t
 
 }  // namespace
 
+std::vector<std::string> known_aovs() {
+  std::vector<std::string> names;
+  for (const auto& [name, bit] : NAMES) names.emplace_back(name);
+  return names;
+}
+
 uint32_t parse_aovs(const std::string& list) {
   uint32_t aovs = 0;
   std::istringstream stream(list);
@@ -58,10 +65,7 @@ uint32_t parse_aovs(const std::string& list) {
     for (const auto& [known, known_bit] : NAMES)
       if (name == known) bit = known_bit;
     if (bit == 0)
-      throw Error(ExitStatus::BadUsage,
-                  fmt::format("--aov {}: \"{}\" is not one of albedo, N, Ng, P, Z, material, instance, "
-                              "variance, samples",
-                              list, name));
+      throw Error(ExitStatus::BadUsage, fmt::format("--aov {}: {}", list, unknown_name(name, known_aovs())));
     aovs |= bit;
   }
   return aovs;

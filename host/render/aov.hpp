@@ -10,8 +10,11 @@
 
 namespace regulus::render {
 
-/// AOV_* bits of a comma-separated list of names: albedo, N, Ng, P, Z, material, instance, sigma, variance,
-/// samples; 0 if it is empty. @throws regulus::Error (BadUsage) naming the one that is unknown
+/// The names of all AOVs.
+std::vector<std::string> known_aovs();
+
+/// AOV_* bits of a comma-separated list of known_aovs(); 0 if it is empty. @throws regulus::Error (BadUsage)
+/// naming the one that is unknown
 uint32_t parse_aovs(const std::string& list);
 
 /// The list of names.

@@ -53,7 +53,8 @@ void main() {
     if (has_histories()) history.sharp_ratio = history.ratio;
   }
   MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
-  if (is_connectible(point)) {
+  // Light paths have an edge at least, and the one to the lens comes on top.
+  if (is_connectible(point) && path.bounce + 2u <= frame.max_depth) {
     connect_to_lens(frame, point, path, sharp_vertex, history, counts);
   }
   // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.

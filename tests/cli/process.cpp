@@ -43,7 +43,7 @@ void redirect(const fs::path& path, int to) {
 
 }  // namespace
 
-Process::Process(const Arguments& arguments, const Environment& environment)
+Process::Process(const Arguments& arguments, const Environment& environment, const Preparation& preparation)
     : out_(temporary_file()), err_(temporary_file()) {
   std::vector<std::string> words = {REGULUS_BINARY};
   words.insert(words.end(), arguments.begin(), arguments.end());
@@ -57,6 +57,8 @@ Process::Process(const Arguments& arguments, const Environment& environment)
   redirect("/dev/null", STDIN_FILENO);
   redirect(out_, STDOUT_FILENO);
   redirect(err_, STDERR_FILENO);
+  for (const int caught : {SIGINT, SIGTERM, SIGHUP, SIGPIPE, SIGXFSZ}) signal(caught, SIG_DFL);
+  if (preparation) preparation();
   execv(argv[0], argv.data());
   _exit(127);
 }
@@ -67,16 +69,22 @@ Process::~Process() {
   wait();
 }
 
+bool Process::catches(int signal) const {
+  std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("SigCgt:", 0) == 0)
+      return (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0;
+  return false;
+}
+
 bool Process::wait_for_handler(int signal) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (std::chrono::steady_clock::now() < deadline) {
-    std::ifstream status("/proc/" + std::to_string(pid_) + "/status");
-    for (std::string line; std::getline(status, line);) {
-      if (line.rfind("State:\tZ", 0) == 0) return false;
-      if (line.rfind("SigCgt:", 0) == 0 &&
-          (std::stoull(line.substr(7), nullptr, 16) >> (signal - 1) & 1) != 0)
-        return true;
-    }
+    if (catches(signal)) return true;
+    siginfo_t ended{};
+    if (waitid(P_PID, static_cast<id_t>(pid_), &ended, WEXITED | WNOHANG | WNOWAIT) == 0 &&
+        ended.si_pid == pid_)
+      return false;
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return false;
@@ -99,8 +107,8 @@ Finished Process::wait() {
   return finished;
 }
 
-Finished run(const Arguments& arguments, const Environment& environment) {
-  return Process(arguments, environment).wait();
+Finished run(const Arguments& arguments, const Environment& environment, const Preparation& preparation) {
+  return Process(arguments, environment, preparation).wait();
 }
 
 size_t count_lines(const std::string& text) {

@@ -4,6 +4,7 @@
 #include <sys/types.h>
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -20,10 +21,16 @@ struct Finished {
   std::string out, err;
 };
 
-/// A running regulus with its output going to files. Killed with the object if it still runs.
+/// What the new process does to itself before it becomes regulus, such as closing a stream or setting a
+/// limit.
+using Preparation = std::function<void()>;
+
+/// A running regulus with its output going to files, and signals as a shell leaves them. Killed with the
+/// object if it still runs.
 class Process {
  public:
-  explicit Process(const Arguments& arguments, const Environment& environment = {});
+  explicit Process(const Arguments& arguments, const Environment& environment = {},
+                   const Preparation& preparation = {});
   ~Process();
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
@@ -31,6 +38,8 @@ class Process {
   /// Waits until the process catches `signal` itself, which says that rendering has begun. False if it ended
   /// before that or a minute passed.
   bool wait_for_handler(int signal);
+  /// Whether it catches `signal` itself.
+  bool catches(int signal) const;
   void send(int signal);
   Finished wait();
 
@@ -40,7 +49,8 @@ class Process {
 };
 
 /// Runs to the end.
-Finished run(const Arguments& arguments, const Environment& environment = {});
+Finished run(const Arguments& arguments, const Environment& environment = {},
+             const Preparation& preparation = {});
 
 size_t count_lines(const std::string& text);
 

@@ -2,11 +2,17 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
+#include <cstdlib>
+#include <fstream>
+#include <functional>
+#include <random>
 #include <thread>
 
 #include "cli/process.hpp"
 #include "image/image.hpp"
+#include "images/support/gltf_scene.hpp"
 #include "images/support/render_scene.hpp"
 #include "support/device.hpp"
 
@@ -55,6 +61,8 @@ TEST_F(RenderParts, MergedRangesAreTheirUnionBitByBit) {
     part("a.exr", "0:2");
     part("b.exr", "2:4");
     part("c.exr", "6:1");
+    for (const char* merged : {"bc.exr", "merged.exr"})
+      fs::remove(file(merged));  // never replaced, see below
     ASSERT_EQ(run({"merge", file("bc.exr"), file("c.exr"), file("b.exr")}).status,
               0);  // merged parts are parts
     const Finished merged = run({"merge", file("merged.exr"), file("bc.exr"), file("a.exr")});
@@ -100,7 +108,9 @@ TEST_F(RenderParts, WhatDoesNotBelongTogetherIsRefused) {
   expect_error(resume("a.exr", {"-s", "1"}), 2, {"a.exr", "2 samples"});
   expect_error(resume("overlapping.exr", {"-s", "4"}), 3, {"overlapping.exr"});
   expect_error(resume("plain.exr", {"-s", "4"}), 3, {"plain.exr"});
-  expect_error(resume("scene.gltf", {"-s", "4"}), 3, {"scene.gltf"});
+  expect_error(resume("scene.gltf", {"-s", "4"}), 2, {"scene.gltf", "is the scene"});
+  std::ofstream(file("text.exr")) << "no picture";
+  expect_error(resume("text.exr", {"-s", "4"}), 3, {"text.exr"});
   EXPECT_FALSE(fs::exists(file("out.exr")));
   EXPECT_FALSE(fs::exists(file("x.exr")));
 }
@@ -121,29 +131,246 @@ TEST_F(RenderParts, ACropIsPlacedOnTheFilm) {
   for (size_t i = 0; i < part.size(); ++i) EXPECT_EQ(part[i], whole[(i / 12 + 3) * 24 + i % 12 + 5]);
 }
 
-// Killed without warning, then resumed: what comes out is what an undisturbed render gives, bit by bit.
-TEST_F(RenderParts, AKilledRenderIsResumed) {
-  const Arguments endless = {"-s", "16000000", "--checkpoint", file("state.exr"), "--checkpoint-seconds",
-                             "0"};
-  {
-    Process process(command("out.exr", endless));
-    ASSERT_TRUE(process.wait_for_handler(SIGINT)) << process.wait().err;
-    for (int i = 0; i < 600 && !fs::exists(file("state.exr")); ++i)
-      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+std::string read_file(const std::string& path) {
+  std::ifstream stream(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+// `merge a.exr b.exr` lacks an output, and took a.exr for it.
+TEST_F(RenderParts, MergeDestroysNoPartAndNothingElseUnasked) {
+  render("a.exr", {"--samples", "0:1"});
+  render("b.exr", {"--samples", "1:1"});
+  const std::string a = read_file(file("a.exr")), b = read_file(file("b.exr"));
+  const auto merge = [&](const std::string& output, Arguments more = {}) {
+    Arguments arguments = {"merge", file(output), file("a.exr"), file("b.exr")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run(arguments);
+  };
+  expect_error(run({"merge", file("a.exr"), file("b.exr")}), 2, {"a.exr", "is a part"});
+  expect_error(run({"merge", file("a.exr"), file("b.exr"), "--force"}), 2, {"a.exr", "is a part"});
+  fs::create_hard_link(file("a.exr"), file("hard.exr"));
+  fs::create_symlink("b.exr", file("link.exr"));
+  for (const char* name : {"a.exr", "b.exr", "hard.exr", "link.exr"}) {
+    expect_error(merge(name), 2, {name, "one of the parts"});
+    expect_error(merge(name, {"--force"}), 2, {name, "one of the parts"});
+  }
+  std::ofstream(file("other.exr")) << "someone's";
+  expect_error(merge("other.exr"), 2, {"other.exr", "--force"});
+  EXPECT_EQ(read_file(file("other.exr")), "someone's");
+  EXPECT_EQ(merge("other.exr", {"--force"}).status, 0);
+  EXPECT_EQ(contents("other.exr").attributes.at("regulus:sample_ranges"), "0:2");
+  EXPECT_EQ(read_file(file("a.exr")), a);
+  EXPECT_EQ(read_file(file("b.exr")), b);
+  EXPECT_EQ(merge("all.jpg").status, 0);
+  EXPECT_TRUE(read_file(file("all.jpg")).starts_with("\xff\xd8\xff"));
+  expect_error(merge("all.tif"), 2, {"all.tif", ".exr"});
+  expect_error(merge("none/all.exr"), 1, {"none/all.exr"});
+}
+
+// What a header says is trusted as far as its checksum goes: a flipped range was merged without a word.
+TEST_F(RenderParts, DamagedPartsAreRefused) {
+  render("a.exr", {"--samples", "0:4"});
+  render("b.exr", {"--samples", "4:4", "--aov", "Z"});
+  render("c.exr", {"--samples", "4:4"});
+  const auto damage = [&](const std::string& from, const std::string& to) {
+    std::string bytes = read_file(file("c.exr"));
+    const size_t at = bytes.find(from);
+    ASSERT_NE(at, std::string::npos) << from;
+    ASSERT_EQ(from.size(), to.size());
+    bytes.replace(at, from.size(), to);
+    std::ofstream(file("damaged.exr"), std::ios::binary) << bytes;
+  };
+  ASSERT_EQ(run({"merge", file("whole.exr"), file("a.exr"), file("c.exr")}).status, 0);
+  for (const auto& [from, to] :
+       std::vector<std::pair<std::string, std::string>>{{"4:4", "5:4"},
+                                                        {"4:4", "4:5"},
+                                                        {"film.sum.R0", "film.sum.S0"},
+                                                        {"regulus:paths", "regulus:pathz"},
+                                                        {"regulus:checksum", "regulus:checksun"},
+                                                        {"regulus:seed", "regulus:sead"}}) {
+    damage(from, to);
+    expect_error(run({"merge", file("out.exr"), file("a.exr"), file("damaged.exr")}), 3, {"damaged.exr"});
+    expect_error(run(command("out.exr", {"--checkpoint", file("damaged.exr"), "--resume", "-s", "16"})), 3,
+                 {"damaged.exr"});
+  }
+  EXPECT_FALSE(fs::exists(file("out.exr")));
+}
+
+// A flipped bit, wherever it is, is found, or changes nothing that is merged.
+TEST_F(RenderParts, FlippedBitsNeverMergeIntoAnotherPicture) {
+  render("a.exr", {"--samples", "0:2"});
+  render("b.exr", {"--samples", "2:2"});
+  ASSERT_EQ(run({"merge", file("whole.exr"), file("a.exr"), file("b.exr")}).status, 0);
+  const image::ExrContents whole = contents("whole.exr");
+  const std::string bytes = read_file(file("b.exr"));
+  const size_t header = bytes.find("regulus:width");
+  ASSERT_NE(header, std::string::npos);
+  std::minstd_rand random(17);
+  constexpr int FLIPS = 60;
+  int refused = 0;
+  for (int i = 0; i < FLIPS; ++i) {
+    std::string damaged = bytes;
+    // Half of them in the header.
+    const size_t at = random() % (i % 2 == 0 ? std::min(bytes.size(), header + 500) : bytes.size());
+    damaged[at] = static_cast<char>(damaged[at] ^ 1 << random() % 8);
+    std::ofstream(file("damaged.exr"), std::ios::binary) << damaged;
+    fs::remove(file("out.exr"));
+    const Finished merged = run({"merge", file("out.exr"), file("a.exr"), file("damaged.exr")});
+    EXPECT_EQ(merged.signal, 0);
+    if (merged.status == 3) {
+      ++refused;
+      continue;
+    }
+    ASSERT_EQ(merged.status, 0) << "byte " << at << ": " << merged.err;
+    const image::ExrContents out = contents("out.exr");
+    EXPECT_TRUE(out.channels == whole.channels) << "byte " << at;
+    EXPECT_EQ(out.attributes.at("regulus:sample_ranges"), "0:4") << "byte " << at;
+  }
+  std::printf("%d of %d flips refused, the others changed nothing\n", refused, FLIPS);
+  EXPECT_GT(refused, FLIPS / 3);
+}
+
+// Everything that decides about the samples is named when it is another.
+TEST_F(RenderParts, CheckpointsOfOtherRendersAreRefusedByName) {
+  render("x.exr", {"-s", "2", "--checkpoint", file("state.exr")});
+  const auto resume = [&](const Arguments& more, const std::string& mention) {
+    Arguments arguments = command("y.exr", {"-s", "4", "--checkpoint", file("state.exr"), "--resume"});
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_error(run(arguments), 3, {"state.exr", mention});
+  };
+  resume({"-i", "bpt"}, "techniques");
+  resume({"--seed", "9"}, "seed");
+  resume({"--max-depth", "3"}, "max_depth");
+  resume({"--tau", "7"}, "tau");
+  resume({"--crop", "0,0,8,8"}, "crop");
+  resume({"--sampler", "hash"}, "sampler");
+  resume({"--filter", "box"}, "filter");
+  resume({"--aov", "variance"}, "aov");
+  resume({"--clamp", "3"}, "clamp");
+  Arguments size = command("y.exr", {"-s", "4", "--checkpoint", file("state.exr"), "--resume"});
+  std::ranges::replace(size, std::string("24x16"), std::string("24x17"));
+  expect_error(run(size), 3, {"state.exr", "crop is [0,0,24,16] and [0,0,24,17]"});
+  GltfScene other;
+  other.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.25, 0.5, 0.5}));
+  other.add({quad({-0.5, 1.5, -0.5}, {1, 0, 0}, {0, 0, 1})}, emitter({10, 10, 10}));
+  other.set_perspective(look_at({0, 1, 0}, {0, 0, 0.001}), 1.0);
+  other.write(file("scene.gltf"));
+  resume({}, "scene_hash");
+  EXPECT_FALSE(fs::exists(file("y.exr")));
+}
+
+// The folder of the checkpoint goes away, or there never is room: the render warns, goes on, and is written.
+TEST_F(RenderParts, ACheckpointThatCannotBeWrittenIsAWarning) {
+  Arguments arguments = command("x.exr", {"-s", "2", "--checkpoint", "/dev/full", "--resume"});
+  std::erase(arguments, "--quiet");
+  const Finished finished = run(arguments);
+  EXPECT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.err.find("warning: --checkpoint /dev/full"), std::string::npos) << finished.err;
+  render("plain.exr", {"-s", "2"});
+  EXPECT_TRUE(contents("x.exr").channels == contents("plain.exr").channels);
+}
+
+TEST_F(RenderParts, ACheckpointIsTriedAgain) {
+  fs::create_directory(file("states"));
+  Arguments arguments = command(
+      "x.exr", {"-s", "16000000", "--checkpoint", file("states/state.exr"), "--checkpoint-seconds", "0"});
+  std::erase(arguments, "--quiet");
+  Process process(arguments);
+  ASSERT_TRUE(process.wait_for_handler(SIGTERM)) << process.wait().err;
+  fs::rename(file("states"), file("gone"));
+  std::this_thread::sleep_for(std::chrono::seconds(6));  // a state of the film every five
+  fs::rename(file("gone"), file("states"));
+  for (int i = 0; i < 600 && !fs::exists(file("states/state.exr")); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  EXPECT_TRUE(fs::exists(file("states/state.exr")));
+  process.send(SIGTERM);
+  const Finished finished = process.wait();
+  EXPECT_EQ(finished.status, 130) << finished.err;
+  EXPECT_NE(finished.err.find("tries again"), std::string::npos) << finished.err;
+  EXPECT_TRUE(fs::exists(file("x.exr")));
+}
+
+/// How often each integrator is killed: REGULUS_TEST_KILLS, or twice.
+int kill_count() {
+  const char* count = std::getenv("REGULUS_TEST_KILLS");
+  return count == nullptr ? 2 : std::atoi(count);
+}
+
+// Killed without warning, then resumed: what comes out is what an undisturbed render gives, bit by bit. Every
+// second kill hits the checkpoint while it is written, the others fall into the 300 ms after it was.
+class KilledRender : public RenderParts {
+ protected:
+  bool has_temporary() const {
+    return std::ranges::any_of(fs::directory_iterator(folder_.path()), [](const fs::directory_entry& entry) {
+      return entry.path().extension() == ".tmp";
+    });
+  }
+
+  void wait_until(const std::function<bool()>& is_reached) const {
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+    while (!is_reached() && std::chrono::steady_clock::now() < limit) {
+    }
+  }
+
+  /// Renders on from the checkpoint and is killed; true if that was while the checkpoint was written.
+  bool render_and_kill(const Arguments& arguments, const std::string& state, bool while_writing) {
+    const auto written = [&] {
+      std::error_code error;
+      const fs::file_time_type time = fs::last_write_time(state, error);
+      return error ? fs::file_time_type::min() : time;
+    };
+    const auto before = written();
+    Process process(arguments);
+    EXPECT_TRUE(process.wait_for_handler(SIGINT)) << process.wait().err;
+    // States of the film are five seconds apart: it need not render all that time.
+    std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    process.send(SIGSTOP);
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    process.send(SIGCONT);
+    wait_until([&] { return while_writing ? has_temporary() : written() != before; });
+    if (!while_writing) std::this_thread::sleep_for(std::chrono::milliseconds(random_() % 300));
     process.send(SIGKILL);
     EXPECT_EQ(process.wait().signal, SIGKILL);
+    return has_temporary();
   }
-  ASSERT_TRUE(fs::exists(file("state.exr")));
-  EXPECT_FALSE(fs::exists(file("out.exr")));
-  const uint64_t paths = std::stoull(contents("state.exr").attributes.at("regulus:paths"));
-  const std::string samples = std::to_string(paths / (24 * 16) + 3);
-  std::printf("killed; the checkpoint holds %llu paths\n", static_cast<unsigned long long>(paths));
-  render("resumed.exr", {"-s", samples, "--checkpoint", file("state.exr"), "--resume"});
-  render("undisturbed.exr", {"-s", samples});
-  EXPECT_TRUE(contents("resumed.exr").channels == contents("undisturbed.exr").channels);
-  // Once more there is nothing left to do, and a missing checkpoint is a beginning.
-  render("again.exr", {"-s", samples, "--checkpoint", file("state.exr"), "--resume"});
-  EXPECT_TRUE(contents("again.exr").channels == contents("undisturbed.exr").channels);
+
+  void kill_and_compare(const std::string& integrator) {
+    const std::string state = integrator + ".state.exr";
+    Arguments own = {"-i", integrator, "--checkpoint", file(state), "--resume", "--checkpoint-seconds", "0"};
+    Arguments endless = command("out.exr", own);
+    endless.insert(endless.end(), {"-s", "16000000"});
+    int while_writing = 0;
+    for (int i = 0; i < kill_count(); ++i)
+      while_writing += render_and_kill(endless, file(state), i % 2 == 1) ? 1 : 0;
+    EXPECT_FALSE(fs::exists(file("out.exr")));
+    const uint64_t paths = std::stoull(contents(state).attributes.at("regulus:paths"));
+    const std::string samples = std::to_string(paths / (24 * 16) + 3);
+    std::printf("%s: killed %d times, %d of them while the checkpoint was written; it holds %llu paths\n",
+                integrator.c_str(), kill_count(), while_writing, static_cast<unsigned long long>(paths));
+    own.insert(own.end(), {"-s", samples});
+    render(integrator + ".exr", own);
+    render(integrator + ".whole.exr", {"-i", integrator, "-s", samples});
+    EXPECT_TRUE(contents(integrator + ".exr").channels == contents(integrator + ".whole.exr").channels);
+    EXPECT_FALSE(has_temporary()) << "the next run removes what a killed one leaves";
+    // Once more there is nothing left to do.
+    render(integrator + ".again.exr", own);
+    EXPECT_TRUE(contents(integrator + ".again.exr").channels == contents(integrator + ".whole.exr").channels);
+  }
+
+  std::minstd_rand random_{20};
+};
+
+TEST_F(KilledRender, GoesOnBitByBitByPathTracing) {
+  kill_and_compare("pt");
+}
+TEST_F(KilledRender, GoesOnBitByBitByBidirectionalPathTracing) {
+  if (!is_slow_device()) kill_and_compare("bpt");
+}
+TEST_F(KilledRender, GoesOnBitByBitByConnectionAndMerging) {
+  if (!is_slow_device()) kill_and_compare("vcm");
+}
+
+TEST_F(RenderParts, AMissingCheckpointIsABeginning) {
   render("fresh.exr", {"-s", "2", "--checkpoint", file("fresh-state.exr"), "--resume"});
   EXPECT_TRUE(fs::exists(file("fresh-state.exr")));
 }

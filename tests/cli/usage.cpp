@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "cli/process.hpp"
+#include "image/image.hpp"
 #include "images/support/gltf_scene.hpp"
 
 namespace regulus::test {
@@ -78,6 +79,77 @@ TEST_F(Usage, WrongOptionsEndWithTwo) {
   expect_error(render({"--techniques", ","}), 2, {"--techniques"});
   expect_error(render({"--ndf", "phong"}), 2, {"phong"});
   expect_nothing_written();
+}
+
+// What is no number never is an option's value, wherever the option is given.
+TEST_F(Usage, NotANumberIsNoValue) {
+  for (const char* option :
+       {"--tau", "--clamp", "--exposure", "--time", "--noise", "--env-rotation", "--env-scale",
+        "--filter-radius", "--merge-radius", "--merge-reduction", "--checkpoint-seconds", "--spp",
+        "--max-depth", "--seed", "--light-paths", "--wave", "--crop", "--size", "--samples"})
+    for (const char* value : {"nan", "-nan(1)", "1e-60x", ""})
+      expect_error(render({option, value}), 2, {option});
+  for (const char* option : {"--exposure", "--time", "--noise", "--env-rotation", "--env-scale",
+                             "--filter-radius", "--merge-radius", "--merge-reduction"})
+    for (const char* value : {"inf", "1e9999"}) expect_error(render({option, value}), 2, {option});
+  for (const char* option : {"--tau", "--clamp"})
+    for (const char* value : {"-inf", "0", "-1", "1e-60"}) expect_error(render({option, value}), 2, {option});
+  expect_error(run({"check", gltf(), "--tolerance", "nan"}), 2, {"--tolerance"});
+  expect_error(run({"bench", "error", "--scenes", gltf(), "--time", "nan"}), 2, {"--time"});
+  expect_nothing_written();
+  scene_.set_setting("tau", "nan");
+  scene_.write(gltf());
+  expect_error(run({"render", gltf(), "-o", exr()}), 3, {"scene.gltf", "tau"});
+  expect_nothing_written();
+}
+
+// As the help says: no regularization.
+TEST_F(Usage, InfiniteTauIsNoRegularization) {
+  const auto picture = [&](const std::string& name, Arguments more) {
+    const std::string file = (folder_ / name).string();
+    Arguments arguments = {"render", gltf(),      "--size",    "8x8", "--spp",
+                           "2",      "--backend", "reference", "-o",  file};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Finished finished = run(arguments);
+    EXPECT_EQ(finished.status, 0) << finished.err;
+    return image::read_exr(file).rgb;
+  };
+  EXPECT_EQ(picture("inf.exr", {"--tau", "inf"}), picture("none.exr", {"--regularization", "none"}));
+}
+
+TEST_F(Usage, AnEqualsSignAfterAShortOptionIsNoPartOfItsValue) {
+  const std::string other = (folder_ / "other.exr").string();
+  const Finished finished =
+      run({"render", gltf(), "-o=" + other, "--size=4x4", "-s=2", "-i=pt", "--backend=reference"});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  image::Attributes attributes;
+  EXPECT_EQ(image::read_exr(other, &attributes).width, 4u);
+  EXPECT_EQ(attributes.at("regulus:samples"), "2");
+  expect_error(render({"-s=-3"}), 2, {"--spp", "-3"});
+  expect_error(render({"-i=magic"}), 2, {"--integrator", "magic"});
+  // What is another option's value stays as it is.
+  expect_error(render({"--camera", "-o=x"}), 2, {"--camera -o=x"});
+}
+
+TEST_F(Usage, MistypedNamesGetNearOnes) {
+  expect_error(run({"rendr", gltf()}), 2, {"rendr", "did you mean render?"});
+  expect_error(run({"bench", "eror"}), 2, {"eror", "did you mean error?"});
+  expect_error(render({"--intergrator", "pt"}), 2, {"--intergrator", "did you mean --integrator?"});
+  expect_error(render({"--max-deph=3"}), 2, {"--max-deph", "did you mean --max-depth?"});
+  expect_error(render({"--xyzzy"}), 2, {"--xyzzy is not an option"});
+  expect_error(render({"-i", "vmc"}), 2, {"--integrator", "\"vmc\" is not one of", "did you mean vcm?"});
+  expect_error(render({"--ndf", "gxg"}), 2, {"--ndf", "beckmann, cosine, ggx", "did you mean ggx?"});
+  expect_error(render({"--ndf", "1"}), 2, {"--ndf", "beckmann, cosine, ggx"});
+  expect_error(render({"--techniques", "hit,conect"}), 2, {"conect", "did you mean connect?"});
+  expect_error(render({"--aov", "albedo,Sigma"}), 2, {"Sigma", "did you mean sigma?"});
+  expect_error(render({"--aov", "beauty"}), 2, {"beauty", ", sigma"});
+  expect_nothing_written();
+}
+
+TEST_F(Usage, HelpSaysWhatIsDone) {
+  const std::string help = run({"render", "--help"}).out;
+  EXPECT_NE(help.find("bvh from 4 lights on"), std::string::npos) << help;
+  EXPECT_NE(help.find("sigma"), std::string::npos);
 }
 
 TEST_F(Usage, BadSizesEndWithTwo) {

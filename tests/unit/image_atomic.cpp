@@ -1,5 +1,7 @@
 // Writing fails with one line and leaves no trace; it succeeds in one step.
+#include <fcntl.h>
 #include <signal.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 
@@ -55,6 +57,61 @@ TEST(AtomicFile, DevicesAreWrittenToAndNeverReplaced) {
   if (std::filesystem::is_character_file("/dev/full"))
     expect_error([] { write_file_atomically("/dev/full", "x"); }, ExitStatus::Failed,
                  "No space left on device");
+}
+
+TEST(AtomicFile, ALinkToNothingYetIsFollowed) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "below");
+  std::filesystem::create_symlink("below/new", folder / "link");
+  write_file_atomically(folder / "link", "x");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_EQ(read_bytes(folder / "below/new"), "x");
+  std::filesystem::create_symlink("circle", folder / "circle");
+  expect_error([&] { write_file_atomically(folder / "circle", "x"); }, ExitStatus::Failed, "circle");
+}
+
+TEST(AtomicFile, WhatKilledProcessesLeftIsRemovedAndNothingElse) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> others = {".file.tmp", ".file.12x-0.tmp", ".other.7-0.tmp", "file.7-0.tmp",
+                                           ".file.exr.7-0.tmp"};
+  for (const std::string& name : others) write_bytes(folder / name, "someone's");
+  write_bytes(folder / ".file.4711-0.tmp", "half a pict");
+  write_bytes(folder / ".file.4712-3.tmp", "of a process that still writes it");
+  const int held = ::open((folder / ".file.4712-3.tmp").c_str(), O_RDONLY);
+  ASSERT_EQ(::flock(held, LOCK_EX), 0);
+  image::require_writable(folder / "file");
+  EXPECT_FALSE(std::filesystem::exists(folder / ".file.4711-0.tmp"));
+  EXPECT_EQ(folder.file_count(), others.size() + 1);
+  ::close(held);
+  write_file_atomically(folder / "file", "new");
+  EXPECT_FALSE(std::filesystem::exists(folder / ".file.4712-3.tmp"));
+  EXPECT_EQ(folder.file_count(), others.size() + 1);
+}
+
+TEST(AtomicFile, PlacesAreTriedWithoutATrace) {
+  const TemporaryFolder folder;
+  write_bytes(folder / "file", "old");
+  image::require_writable(folder / "file");
+  image::require_writable(folder / "new");
+  EXPECT_EQ(folder.file_count(), 1u);
+  EXPECT_EQ(read_bytes(folder / "file"), "old");
+  for (const std::string& place : {std::string("file/x"), std::string("none/x"), std::string(300, 'n')})
+    expect_error([&] { image::require_writable(folder / place); }, ExitStatus::Failed, "cannot be written");
+  expect_error([&] { image::require_writable(folder.path()); }, ExitStatus::Failed, "Is a directory");
+  expect_error([&] { image::require_writable(""); }, ExitStatus::Failed, "cannot be written");
+  image::require_writable("/dev/null");
+}
+
+TEST(AtomicFile, WhatCannotBeWrittenFindsARoomElsewhere) {
+  const TemporaryFolder folder;
+  ::setenv("TMPDIR", folder.path().c_str(), 1);
+  const std::filesystem::path place = image::write_to_temporary_folder("/nowhere/picture.exr", "bytes");
+  ::setenv("TMPDIR", (folder / "none").c_str(), 1);
+  EXPECT_EQ(image::write_to_temporary_folder("/nowhere/picture.exr", "bytes"), "");
+  ::unsetenv("TMPDIR");
+  EXPECT_EQ(place.parent_path(), folder.path());
+  EXPECT_TRUE(place.filename().string().ends_with("-picture.exr")) << place;
+  EXPECT_EQ(read_bytes(place), "bytes");
 }
 
 /// Limits the size of files this process can write, as a full disk does, while it lives.

@@ -1,0 +1,62 @@
+#include "cli/output_guard.hpp"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include "base/error.hpp"
+#include "image/atomic_file.hpp"
+#include "scene/references.hpp"
+
+namespace regulus::cli {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+[[noreturn]] void fail(const std::string& option, const fs::path& file, const std::string& what) {
+  throw Error(ExitStatus::BadUsage, fmt::format("{} {}: is {}, which it would replace; name another file",
+                                                option, file.string(), what));
+}
+
+}  // namespace
+
+OutputGuard::Identity OutputGuard::identify(const fs::path& file) {
+  fs::path target = file;
+  try {
+    target = image::follow_links(file);
+  } catch (const Error&) {  // links in a circle lead to no file that could be lost
+  }
+  struct stat status {};
+  if (::stat(target.c_str(), &status) == 0) return {status.st_dev, status.st_ino, {}};
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  if (::stat(folder.c_str(), &status) == 0) return {status.st_dev, status.st_ino, target.filename().string()};
+  std::error_code error;
+  return {0, 0, fs::absolute(target, error).lexically_normal().string()};
+}
+
+void OutputGuard::add_input(const fs::path& file, const std::string& what) {
+  if (image::is_device_or_pipe(file)) return;
+  const Identity identity = identify(file);
+  const auto output = outputs_.find(identity);
+  if (output != outputs_.end()) fail(output->second.option, output->second.file, what);
+  inputs_.emplace(identity, what);
+}
+
+void OutputGuard::add_scene(const fs::path& scene_file) {
+  add_input(scene_file, "the scene");
+  for (const fs::path& file : scene::referenced_files(scene_file))
+    add_input(file, fmt::format("a file that {} refers to", scene_file.string()));
+}
+
+void OutputGuard::add_output(const std::string& option, const fs::path& file) {
+  if (image::is_device_or_pipe(file)) return;
+  const Identity identity = identify(file);
+  const auto input = inputs_.find(identity);
+  if (input != inputs_.end()) fail(option, file, input->second);
+  const auto [output, is_new] = outputs_.emplace(identity, Output{option, file});
+  if (!is_new)
+    throw Error(ExitStatus::BadUsage, fmt::format("{} {}: is the file of {} as well; name another one",
+                                                  option, file.string(), output->second.option));
+}
+
+}  // namespace regulus::cli

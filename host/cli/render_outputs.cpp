@@ -1,0 +1,87 @@
+#include "cli/render_outputs.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "cli/strategy_images.hpp"
+#include "image/atomic_file.hpp"
+
+namespace regulus::cli {
+
+namespace fs = std::filesystem;
+using image::Format;
+
+namespace {
+
+// A place that cannot be written is better known before an hour of rendering than after it.
+void require_place(const std::string& option, const fs::path& file) {
+  if (file.empty()) return;
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
+                                                file.string(), folder.string()));
+  if (fs::is_directory(file, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
+  try {
+    image::require_writable(file);
+  } catch (const Error& problem) {
+    throw Error(problem.status(), fmt::format("{} {}", option, problem.what()));
+  }
+}
+
+// Only a picture in OpenEXR holds sums. Other names are no business of ours, but this one would mislead.
+void require_checkpoint_name(const fs::path& file) {
+  const auto format = image::format_of(file);
+  if (format && *format != Format::Exr)
+    throw Error(
+        ExitStatus::BadUsage,
+        fmt::format("--checkpoint {}: is an OpenEXR file; name one that ends in .exr", file.string()));
+}
+
+}  // namespace
+
+RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) {
+  RenderOutputs outputs{options.output, options.png, options.stats, options.checkpoint,
+                        options.strategy_images};
+  if (outputs.picture.empty())
+    outputs.picture = fs::path(options.scene_file).filename().replace_extension(".exr");
+  if (!options.strategy_images.empty() && !options.checkpoint.empty())
+    throw Error(ExitStatus::BadUsage,
+                "--strategy-images: a checkpoint does not hold them; leave out --checkpoint");
+
+  guard.add_input(options.scene_file, "the scene");
+  if (!options.environment.empty()) guard.add_input(options.environment, "the environment");
+  const std::pair<const char*, const fs::path&> files[] = {{"--output", outputs.picture},
+                                                           {"--png", outputs.png},
+                                                           {"--stats", outputs.stats},
+                                                           {"--checkpoint", outputs.checkpoint}};
+  for (const auto& [option, file] : files)
+    if (!file.empty()) guard.add_output(option, file);
+  for (const auto& [option, file] : files) require_place(option, file);
+
+  outputs.format = image::require_format("--output", outputs.picture,
+                                         {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
+  if (!outputs.png.empty()) image::require_format("--png", outputs.png, {Format::Png});
+  require_checkpoint_name(outputs.checkpoint);
+  if (!outputs.strategy_images.empty()) make_strategy_folder(outputs.strategy_images);
+  return outputs;
+}
+
+void check_outputs(const RenderOutputs& outputs, const RenderOptions& options,
+                   const render::RenderSettings& settings, OutputGuard& guard) {
+  if (outputs.format != Format::Exr && !options.sample_range.empty())
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--samples needs --output FILE.exr; {} holds no sums of samples",
+                            outputs.picture.string()));
+  if (outputs.format != Format::Exr && settings.aovs != 0)
+    throw Error(ExitStatus::BadUsage,
+                fmt::format("--aov needs --output FILE.exr; {} holds no channels but colour",
+                            outputs.picture.string()));
+  if (!outputs.strategy_images.empty())
+    for (const fs::path& file : strategy_files(outputs.strategy_images, settings))
+      guard.add_output("--strategy-images", file);
+  guard.add_scene(options.scene_file);
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,59 @@
+#include "cli/validators.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/near_names.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+/// A validator of numbers. @param range for help and error, as in "from 0 to 1"
+template <typename IsValid>
+CLI::Validator number_validator(const std::string& range, const IsValid& is_valid) {
+  return {[range, is_valid](std::string& text) {
+            double value = 0;
+            const bool is_number = CLI::detail::lexical_cast(text, value) && !std::isnan(value);
+            return is_number && is_valid(value) ? std::string()
+                                                : fmt::format("\"{}\" is not a number {}", text, range);
+          },
+          range};
+}
+
+}  // namespace
+
+CLI::Validator number_in(double least, double most) {
+  return number_validator(fmt::format("from {:g} to {:g}", least, most),
+                          [=](double value) { return value >= least && value <= most; });
+}
+
+CLI::Validator positive_or_infinite() {
+  return number_validator("above 0, or inf", [](double value) { return static_cast<float>(value) > 0; });
+}
+
+CLI::Validator not_negative() {
+  return number_validator("from 0 on", [](double value) { return value >= 0 && std::isfinite(value); });
+}
+
+CLI::Validator choice(const std::map<std::string, uint32_t>& names) {
+  return {[names](std::string& text) {
+            const auto found = names.find(text);
+            if (found == names.end()) return unknown_name(text, names_of(names));
+            text = std::to_string(found->second);
+            return std::string();
+          },
+          fmt::format("{}", fmt::join(names_of(names), "|"))};
+}
+
+CLI::Validator one_of(const std::vector<std::string>& names) {
+  return {[names](std::string& text) {
+            return std::ranges::find(names, text) != names.end() ? std::string() : unknown_name(text, names);
+          },
+          fmt::format("{}", fmt::join(names, "|"))};
+}
+
+}  // namespace regulus::cli
