@@ -1,5 +1,7 @@
 #include "render/device_scene.hpp"
 
+#include <algorithm>
+
 #include "render/energy_tables.hpp"
 
 namespace regulus::render {
@@ -50,6 +52,11 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       light_tree_{interface::device_address(light_pairs_.address()),
                   interface::device_address(light_trails_.address()), scene.light_tree.center,
                   scene.light_tree.radius},
+      // As FEATURE_ENVIRONMENT, by which kernels go. However dim it is: its share of the choice may round to
+      // 0.
+      has_environment_(std::ranges::any_of(
+          scene.lights,
+          [](const interface::Light& light) { return light.kind == interface::LIGHT_ENVIRONMENT; })),
       light_count_(static_cast<uint32_t>(scene.lights.size())),
       stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
       instance_block_shift_(scene.instance_block_shift),

@@ -20,7 +20,7 @@ class DeviceScene {
   void fill(interface::Frame& frame) const;
 
   /// True if rays that leave the scene meet light.
-  bool has_environment() const { return environment_.selection_pdf > 0; }
+  bool has_environment() const { return has_environment_; }
 
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_uvs_, vertex_tangents_,
@@ -28,6 +28,7 @@ class DeviceScene {
       light_pairs_, light_trails_, environment_texels_, environment_cdf_, energy_tables_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
+  bool has_environment_;
   uint32_t light_count_, stored_triangles_, instance_block_shift_;
   glm::vec3 center_;
   float radius_;

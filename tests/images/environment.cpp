@@ -262,5 +262,24 @@ TEST_F(Environment, DirectionsFollowTheMap) {
   EXPECT_LT(worst, 1);
 }
 
+// An environment whose share of the lights' power rounds to 0 is still what rays meet that leave the scene.
+TEST_F(Environment, MayBeTooDimToBeChosen) {
+  GltfScene scene;
+  scene.add({quad({-0.3, 0, 0.3}, {0.6, 0, 0}, {0, 0, -0.6})}, lambert({0.5, 0.5, 0.5}));
+  scene.add_point_light({0, 1, 0}, {1e12, 1e12, 1e12});
+  scene.set_perspective(look_at({0, 1, 0}, {0, 0, 0.001}), 1);
+  scene.set_setting("environment", {{"color", {1e-38, 1e-38, 1e-38}}});
+  const PreparedScene prepared = prepare(scene);
+  ASSERT_TRUE(prepared.scene.environment);
+  ASSERT_EQ(prepared.scene.environment->parameters.selection_pdf, 0) << "the test is about nothing";
+  RenderSettings settings = point_sampled(12, 12, 2);
+  settings.techniques = PT;
+  const image::Image image = render(prepared, settings).image;
+  const size_t middle = 3 * (6 * size_t{12} + 6);
+  // I albedo / (pi d^2), a twelfth of the picture from the point below the lamp.
+  EXPECT_NEAR(image.rgb[middle] / (1e12 * 0.5 / pi), 1, 0.02);
+  EXPECT_EQ(image.rgb[0], 0) << "less than the film's unit";
+}
+
 }  // namespace
 }  // namespace regulus::test
