@@ -232,11 +232,13 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   std::optional<Error> failure;
   try {
     ProgressLine progress(!options.is_quiet);
-    renderer.render([&](uint64_t done, uint64_t total) {
-      progress.update(done, total);
-      checkpoint.update(renderer.film());
-      return !is_interrupted() && !stop.is_reached(renderer.film(), done);
-    });
+    renderer.render(
+        [&](uint64_t done, uint64_t total) {
+          progress.update(done, total);
+          checkpoint.update(renderer.film());
+          return !stop.is_reached(renderer.film(), done);
+        },
+        is_interrupted);
   } catch (const Error& error) {
     failure = error;  // a lost device: what was rendered before is still written
     if (renderer.film().paths == 0) throw;

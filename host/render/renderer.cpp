@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <deque>
+#include <optional>
 #include <utility>
 
 #include "render/device_scene.hpp"
 #include "render/scan.hpp"
 #include "render/stages.hpp"
+#include "render/wave_core.hpp"
 #include "render/wavefront_buffers.hpp"
+#include "render/work_queue.hpp"
 
 namespace regulus::render {
 
@@ -18,16 +20,15 @@ using Clock = std::chrono::steady_clock;
 
 namespace {
 
-// A wave is doubled while it takes less than the first and halved when it takes more than the second: the
-// submission stays well under the 200 ms at which watchdogs of interactive systems get nervous.
-constexpr double SHORT_WAVE_MS = 50, LONG_WAVE_MS = 150;
+// The first wave is small, so that a bad surprise is a small one.
 constexpr uint32_t FIRST_WAVE_PATHS = 1u << 14;
-// On a CPU device a small wave stays in cache; a GPU wants enough paths to fill it at the last bounces too.
+// On a CPU device a small wave stays in cache, and always has the same size. A GPU wants enough paths to fill
+// it at the last bounces too.
 constexpr uint32_t SOFTWARE_WAVE_PATHS = 1u << 16, HARDWARE_WAVE_PATHS = 1u << 21;
-// Waves handed to the device ahead of time, so that it never waits for the host.
-constexpr size_t WAVES_IN_FLIGHT = 2;
-constexpr double SNAPSHOT_SECONDS = 5;
-// Each sends AOV_RAYS rays and one more in a submission.
+// A snapshot of the film is taken when the last one is so many times as old as it took to make, but not more
+// often than every LEAST_SNAPSHOT_SECONDS.
+constexpr double SNAPSHOT_AGE = 50, LEAST_SNAPSHOT_SECONDS = 0.25;
+constexpr double FIRST_BYTES_PER_SECOND = 1e9;  // that a snapshot copies, before it has been measured
 constexpr uint32_t SURFACE_WAVE_PIXELS = 1u << 14;
 
 double seconds_since(Clock::time_point start) {
@@ -46,16 +47,21 @@ RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings&
   return settings;
 }
 
+uint64_t whole_groups(uint64_t paths) {
+  return (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE;
+}
+
 uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t bytes_each,
                          uint64_t total_paths) {
+  const gpu::DeviceInfo& info = device.info();
   uint64_t paths = settings.wave_paths;
   if (paths == 0) {
-    paths = device.info().kind == gpu::DeviceKind::Software ? SOFTWARE_WAVE_PATHS : HARDWARE_WAVE_PATHS;
+    paths = info.kind == gpu::DeviceKind::Software ? SOFTWARE_WAVE_PATHS : HARDWARE_WAVE_PATHS;
     paths = std::min(paths, device.free_bytes() / 2 / bytes_each);
   }
-  const uint64_t group_limit = uint64_t{65535} * WORKGROUP_SIZE;  // groups per dimension, Vulkan's minimum
-  paths = std::clamp<uint64_t>(std::min(paths, total_paths), WORKGROUP_SIZE, group_limit);
-  return static_cast<uint32_t>((paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE);
+  const uint64_t limit = most_paths(settings, info.max_groups, info.max_allocation_bytes);
+  paths = std::min(whole_groups(std::min(paths, total_paths)), limit / WORKGROUP_SIZE * WORKGROUP_SIZE);
+  return static_cast<uint32_t>(std::max<uint64_t>(paths, WORKGROUP_SIZE));
 }
 
 }  // namespace
@@ -74,18 +80,18 @@ struct Renderer::Impl {
   bool has_light_pass, has_camera_pass;
   Film film;
   RenderStatistics statistics;
+  WorkQueue work;
+  WaveCore core;
 
-  struct Wave {
-    gpu::Submission submission;
-    uint64_t paths, light_paths;
-  };
-  std::deque<Wave> in_flight;
   uint64_t finished = 0, finished_light = 0;  // paths
   uint64_t squared = 0;                       // paths whose samples are in film_squares
-  uint32_t wave_paths = 0;                    // of the next wave
-  Clock::time_point last_wave, last_snapshot;
+  uint64_t reach = 0;                         // light vertices in reach of a merge, at most
+  bool is_first_wave = true;
+  Clock::time_point last_snapshot;
+  double snapshot_seconds = 0;  // that the last one took
   const ProgressCallback* progress = nullptr;
   bool is_running = true;
+  bool is_film_whole = true;  // false: the device's holds parts of a wave that was given up
 
   Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
        const RenderSettings& settings_in)
@@ -102,7 +108,9 @@ struct Renderer::Impl {
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
                 settings, capacity),
         pipeline(build_pipeline(device, scene::find_features(scene_in), settings)),
-        scan(device) {
+        scan(device),
+        work(device, ITEMS_PER_PATH * (settings.wave_paths != 0 ? capacity : WORKGROUP_SIZE), statistics),
+        core(device, work, pipeline, buffers, settings) {
     const auto has_pass = [&](Pass pass) {
       return std::ranges::any_of(pipeline,
                                  [&](const PipelineStep& entry) { return entry.step.pass == pass; });
@@ -118,104 +126,95 @@ struct Renderer::Impl {
     film.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
     statistics.wave_capacity = capacity;
     statistics.bytes_per_path = path_bytes;
-    wave_paths = settings.wave_paths != 0 ? capacity : std::min(capacity, FIRST_WAVE_PATHS);
+    snapshot_seconds =
+        static_cast<double>(pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)) / FIRST_BYTES_PER_SECOND;
   }
 
   // ---- waves
 
-  // Arguments of a wave that starts at path `first` of sample `sample`.
+  // Arguments of a wave that starts at path `first` of sample `sample`, which counts from the first of all.
   StageArguments arguments_of(uint64_t first, uint64_t sample, uint32_t paths) const {
     StageArguments arguments{};
     arguments.frame = buffers.frame_address();
     arguments.wave_paths = paths;
     arguments.first_pixel = static_cast<uint32_t>(first);
-    arguments.first_sample = static_cast<uint32_t>(settings.first_sample + sample);
+    arguments.first_sample = static_cast<uint32_t>(sample);
     arguments.merge_radius = merge_radius(sample);
     return arguments;
   }
 
-  // Of the iteration of a sample; the schedule counts from the first sample of all, not of this range.
   float merge_radius(uint64_t sample) const {
-    const double iteration = static_cast<double>(settings.first_sample + sample + 1);
+    const auto iteration = static_cast<double>(sample + 1);
     return settings.merge_radius * static_cast<float>(std::pow(iteration, -double{settings.merge_reduction}));
   }
 
-  void record_pass(gpu::CommandList& commands, Pass pass, const StageArguments& arguments,
-                   uint32_t merge_rounds = 1) {
-    commands.copy(buffers.empty_heads, 0, buffers.queue_heads, 0, buffers.queue_heads.size());
-    const uint32_t bounces = pass == Pass::Light ? std::max(settings.max_depth, 2u) - 1 : settings.max_depth;
-    record_wave(commands, pipeline, pass, {buffers.queue_heads, arguments, bounces, merge_rounds});
+  uint64_t next_wave_paths() const {
+    if (settings.wave_paths == 0 && is_first_wave) return std::min(capacity, FIRST_WAVE_PATHS);
+    return std::min({uint64_t{capacity}, work.bound() / ITEMS_PER_PATH, WaveCore::most_paths(reach)});
   }
-
-  void submit(gpu::CommandList commands, uint64_t paths, uint64_t light_paths) {
-    in_flight.push_back({device.submit(std::move(commands)), paths, light_paths});
-  }
-
-  // Waits for the oldest wave; false if the render is to stop.
-  void finish_wave() {
-    for (const gpu::StageTime& time : device.wait(in_flight.front().submission)) {
-      StageStatistics& stage = statistics.stages[time.stage];
-      ++stage.dispatches;
-      stage.device_ms += time.device_ms;
-      statistics.device_seconds += 1e-3 * time.device_ms;
-    }
-    finished += in_flight.front().paths;
-    finished_light += in_flight.front().light_paths;
-    in_flight.pop_front();
-  }
-
-  void finish_all_waves() {
-    while (!in_flight.empty()) finish_wave();
-  }
-
-  // Waits for the oldest wave and learns from the time it took how large the next should be.
-  void finish_measured_wave() {
-    const Wave& wave = in_flight.front();
-    const uint64_t measured = std::max(wave.paths, wave.light_paths);
-    finish_wave();
-    // The device always has the next wave at hand, so it spent the time since the last wave on this one.
-    const double wave_ms = 1e3 * seconds_since(last_wave);
-    last_wave = Clock::now();
-    if (settings.wave_paths == 0 && measured == wave_paths) {
-      if (wave_ms < SHORT_WAVE_MS) wave_paths = std::min(capacity, 2 * wave_paths);
-      if (wave_ms > LONG_WAVE_MS) wave_paths = std::max(WORKGROUP_SIZE, wave_paths / 2);
-    }
-    is_running = (*progress)(finished, total_paths) && is_running;
-    // A sample that is still to be squared makes no state to go on from.
-    if (buffers.film_squares.size() == 0 || finished % pixels != 0) take_snapshot_if_due();
-  }
-
-  void take_snapshot_if_due() {
-    const bool has_doubled = settings.keeps_doublings && finished >= std::max(pixels, 2 * film.paths);
-    if (has_doubled || seconds_since(last_snapshot) > SNAPSHOT_SECONDS) {
-      take_snapshot();
-      last_snapshot = Clock::now();
-    }
-  }
-
-  // Hands out waves over [begin, end) paths until all are done or the render is to stop: `record` fills the
-  // command list of the wave [first, first + paths) and says how many camera and light paths it holds.
-  template <typename Record>
-  void run_waves(uint64_t begin, uint64_t end, const Record& record) {
-    uint64_t submitted = begin;
-    while (is_running && (submitted < end || !in_flight.empty())) {
-      while (in_flight.size() < WAVES_IN_FLIGHT && submitted < end) {
-        const auto paths = static_cast<uint32_t>(std::min<uint64_t>(wave_paths, end - submitted));
-        gpu::CommandList commands(device);
-        const auto [camera_paths, light_paths] = record(commands, submitted, paths);
-        submit(std::move(commands), camera_paths, light_paths);
-        submitted += paths;
-      }
-      finish_measured_wave();
-    }
-    finish_all_waves();
-  }
-
-  // ---- schedules
 
   struct WavePaths {
     uint64_t camera, light;
   };
+
+  // Hands out waves over [begin, end) paths until all are done or the render is to stop: `run` takes the wave
+  // [first, first + paths) through its passes, and says how many camera and light paths it holds, or nothing
+  // if it was given up. At most two submissions are under way, so that the device never waits.
+  template <typename Run>
+  void run_waves(uint64_t begin, uint64_t end, const Run& run) {
+    uint64_t first = begin;
+    while (is_running && first < end) {
+      const auto paths = static_cast<uint32_t>(std::min(next_wave_paths(), end - first));
+      const std::optional<WavePaths> done = run(first, paths);
+      if (!done) return give_up_wave();
+      work.when_done([this, wave = *done] {
+        finished += wave.camera;
+        finished_light += wave.light;
+      });
+      work.flush();
+      first += paths;
+      is_first_wave = false;
+      is_running = (*progress)(finished, total_paths) && !work.is_cancelled();
+      take_snapshot_if_due();
+    }
+    work.finish();
+  }
+
+  // What connections, merges and splats of the wave have added to the film already cannot be taken back: the
+  // last snapshot is then what was rendered. Other techniques add to it when a wave ends.
+  void give_up_wave() {
+    work.drop();
+    is_running = false;
+    constexpr uint32_t ADD_AT_ONCE = TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+    if ((settings.techniques & ADD_AT_ONCE) != 0) is_film_whole = false;
+  }
+
+  // Runs a step over so many items, from arguments.first_pixel on.
+  void run_step(std::string_view name, StageArguments arguments, uint64_t items) {
+    const uint32_t first = arguments.first_pixel;
+    const uint64_t at_once = work.bound();
+    for (uint64_t done = 0; done < items; done += at_once) {
+      const uint64_t here = std::min(at_once, items - done);
+      arguments.first_pixel = first + static_cast<uint32_t>(done);
+      record_step(work.room_for(here), pipeline, name, arguments, here);
+    }
+  }
+
+  void run_scan(const gpu::Buffer& words, uint32_t count) {
+    scan.record(work.room_for(std::min<uint64_t>(work.bound(), count / SCAN_FAN + 1)), words, count);
+  }
+
+  void take_snapshot_if_due() {
+    const bool has_doubled = settings.keeps_doublings && finished >= std::max(pixels, 2 * film.paths);
+    const double due = std::max(LEAST_SNAPSHOT_SECONDS, SNAPSHOT_AGE * snapshot_seconds);
+    if (!has_doubled && seconds_since(last_snapshot) < due) return;
+    work.finish();
+    // A sample that is still to be squared makes no state to go on from.
+    if (buffers.film_squares.size() != 0 && finished % pixels == 0 && finished != squared) return;
+    take_snapshot();
+  }
+
+  // ---- schedules
 
   // Every wave is complete in itself: light paths, if any, then the camera paths that connect to them. Waves
   // run over pixels and samples alike, but stop at every sample if its square is wanted.
@@ -228,13 +227,14 @@ struct Renderer::Impl {
   }
 
   void run_paths(uint64_t begin, uint64_t end) {
-    run_waves(begin, end, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
-      const StageArguments arguments = arguments_of(first % pixels, first / pixels, paths);
+    run_waves(begin, end, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
+      const StageArguments arguments =
+          arguments_of(first % pixels, settings.first_sample + first / pixels, paths);
       if (has_light_pass) {
-        commands.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
-        record_pass(commands, Pass::Light, arguments);
+        work.room_for(1).fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
+        if (!core.run(Pass::Light, arguments)) return std::nullopt;
       }
-      if (has_camera_pass) record_pass(commands, Pass::Camera, arguments);
+      if (has_camera_pass && !core.run(Pass::Camera, arguments)) return std::nullopt;
       return WavePaths{paths, has_light_pass ? paths : 0};
     });
   }
@@ -242,16 +242,17 @@ struct Renderer::Impl {
   // All light paths of an iteration, then one sample of every pixel.
   void render_by_iterations() {
     if (buffers.light_path_ends.size() != 0) expect_light_vertices();
-    for (uint64_t sample = finished / pixels; is_running && sample < settings.samples; ++sample) {
+    for (uint64_t done = finished / pixels; is_running && done < settings.samples; ++done) {
+      const uint64_t sample = settings.first_sample + done;
       // A resumed render may have walked some of this iteration's light paths.
-      const uint64_t before = sample * settings.light_paths;
+      const uint64_t before = done * settings.light_paths;
       walk_light_paths(sample, std::clamp(finished_light, before, before + settings.light_paths) - before);
+      if (is_running && plan.has_vertices) make_light_vertices_fit(sample);
+      if (is_running) sort_light_vertices(sample);
       if (!is_running) break;
-      if (plan.has_vertices) make_light_vertices_fit(sample);
-      const uint32_t merge_rounds = sort_light_vertices(sample);
       if (has_camera_pass) {
-        run_waves(finished % pixels, pixels, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
-          record_pass(commands, Pass::Camera, arguments_of(first, sample, paths), merge_rounds);
+        run_waves(finished % pixels, pixels, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
+          if (!core.run(Pass::Camera, arguments_of(first, sample, paths), reach)) return std::nullopt;
           return WavePaths{paths, 0};
         });
       } else {
@@ -263,11 +264,10 @@ struct Renderer::Impl {
 
   // Squares the sample that has just been completed, if that is wanted.
   void end_sample() {
-    if (buffers.film_squares.size() == 0 || finished % pixels != 0 || finished == squared) return;
-    gpu::CommandList commands(device);
-    record_step(commands, pipeline, "square_samples", arguments_of(0, 0, 0), pixels);
-    submit(std::move(commands), 0, 0);
-    finish_all_waves();
+    if (buffers.film_squares.size() == 0 || finished % pixels != 0 || finished == squared || !is_film_whole)
+      return;
+    run_step("square_samples", arguments_of(0, 0, 0), pixels);
+    work.finish();
     squared = finished;
     take_snapshot_if_due();
   }
@@ -275,23 +275,19 @@ struct Renderer::Impl {
   // How many light vertices an iteration has, as the very first one counts them: the same for every range of
   // samples.
   void expect_light_vertices() {
-    const uint32_t first_sample = std::exchange(settings.first_sample, 0);
     walk_light_paths(0, settings.light_paths);
-    settings.first_sample = first_sample;
-    buffers.expect_light_vertices(device, read_light_word(0));
+    buffers.expect_light_vertices(device, read_light_word(LIGHT_COUNT_VERTICES));
   }
 
   // Walks all light paths of an iteration. The first `repeated` of them are on the film already and only
   // leave vertices.
   void walk_light_paths(uint64_t sample, uint64_t repeated) {
-    gpu::CommandList clear(device);
-    clear.fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
-    submit(std::move(clear), 0, 0);
+    work.room_for(1).fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
     const auto walk = [&](uint64_t begin, uint64_t end, bool is_repeated) {
-      run_waves(begin, end, [&](gpu::CommandList& commands, uint64_t first, uint32_t paths) {
+      run_waves(begin, end, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
         StageArguments arguments = arguments_of(first, sample, paths);
         arguments.round = is_repeated ? 1 : 0;
-        record_pass(commands, Pass::Light, arguments);
+        if (!core.run(Pass::Light, arguments)) return std::nullopt;
         return WavePaths{0, is_repeated ? 0 : paths};
       });
     };
@@ -300,6 +296,7 @@ struct Renderer::Impl {
   }
 
   uint32_t read_light_word(uint64_t index) {
+    work.finish();
     return gpu::download_all<uint32_t>(device, buffers.light_vertex_count, 1, index * sizeof(uint32_t))
         .front();
   }
@@ -307,40 +304,37 @@ struct Renderer::Impl {
   // If not all vertices could be stored the walk is repeated with room for them: what it stores and what it
   // splats is the same every time.
   void make_light_vertices_fit(uint64_t sample) {
-    const uint64_t counted = read_light_word(0);
+    const uint64_t counted = read_light_word(LIGHT_COUNT_VERTICES);
     if (counted <= buffers.light_vertex_capacity()) return;
     buffers.grow_light_vertices(device, counted + counted / 4);
     walk_light_paths(sample, settings.light_paths);
   }
 
-  // Makes the light vertices findable by place and by number; returns the rounds that merging takes.
-  uint32_t sort_light_vertices(uint64_t sample) {
-    if (!is_running || !plan.has_vertices) return 1;
+  // Makes the light vertices findable by place and by number, and learns how many may be in reach of a merge.
+  void sort_light_vertices(uint64_t sample) {
+    if (!plan.has_vertices) return;
     const StageArguments arguments = arguments_of(0, sample, 0);
-    gpu::CommandList commands(device);
     if (buffers.light_path_ends.size() != 0) {
-      record_step(commands, pipeline, "light_path_counts", arguments, settings.light_paths);
-      scan.record(commands, buffers.light_path_ends, settings.light_paths);
+      run_step("light_path_counts", arguments, settings.light_paths);
+      run_scan(buffers.light_path_ends, settings.light_paths);
     }
-    if (plan.has_merges) {
-      const uint64_t vertices = read_light_word(0);
-      commands.fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
-      record_step(commands, pipeline, "grid_count", arguments, vertices);
-      scan.record(commands, buffers.grid_cells, buffers.grid_cell_count() + 1);
-      record_step(commands, pipeline, "grid_scatter", arguments, vertices);
-    }
-    submit(std::move(commands), 0, 0);
-    finish_all_waves();
-    const uint64_t most_in_reach = 8 * uint64_t{plan.has_merges ? read_light_word(1) : 0};
-    return static_cast<uint32_t>(
-        std::max<uint64_t>(1, (most_in_reach + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH));
+    if (!plan.has_merges) return work.finish();
+    const uint64_t vertices = read_light_word(LIGHT_COUNT_VERTICES);
+    work.room_for(1).fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
+    run_step("grid_count", arguments, vertices);
+    run_scan(buffers.grid_cells, buffers.grid_cell_count() + 1);
+    run_step("grid_scatter", arguments, vertices);
+    // A merge looks at eight cells.
+    const uint64_t crowd = std::max(read_light_word(LIGHT_COUNT_CROWD), CROWDED_CELL);
+    reach = std::min(vertices, 8 * crowd);
   }
 
   // ---- results
 
   // Copies the film to the host, so that what is done survives the device.
   void take_snapshot() {
-    finish_all_waves();
+    work.finish();
+    const auto start = Clock::now();
     // The film changes as a whole or, if the device is lost on the way, not at all.
     auto sums = gpu::download_all<uint32_t>(device, buffers.film, film.words.size());
     auto splats = gpu::download_all<uint32_t>(device, buffers.splat_film, film.splat_words.size());
@@ -366,6 +360,8 @@ struct Renderer::Impl {
       statistics.light_items[queue] =
           counter(COUNTER_QUEUE_ITEMS + COUNTED_LIGHT_PASS * QUEUES_PER_BOUNCE + queue);
     }
+    last_snapshot = Clock::now();
+    snapshot_seconds = seconds_since(start);
   }
 
   void resume(const Film& earlier) {
@@ -385,14 +381,11 @@ struct Renderer::Impl {
   std::vector<AovPixel> surface_aovs() {
     const uint64_t count = buffers.aovs.size() / sizeof(AovPixel);
     for (uint64_t first = 0; first < count; first += SURFACE_WAVE_PIXELS) {
-      gpu::CommandList commands(device);
       StageArguments arguments = arguments_of(first, 0, 0);
       for (arguments.round = 0; arguments.round <= AOV_RAYS; ++arguments.round)
-        record_step(commands, pipeline, "surface_aovs", arguments,
-                    std::min<uint64_t>(SURFACE_WAVE_PIXELS, count - first));
-      submit(std::move(commands), 0, 0);
+        run_step("surface_aovs", arguments, std::min<uint64_t>(SURFACE_WAVE_PIXELS, count - first));
     }
-    finish_all_waves();
+    work.finish();
     return gpu::download_all<AovPixel>(device, buffers.aovs, count);
   }
 
@@ -403,12 +396,10 @@ struct Renderer::Impl {
     const uint64_t slots = std::min<uint64_t>(SURFACE_WAVE_PIXELS, capacity);
     for (uint64_t first = 0; first < pixels; first += slots) {
       const auto count = static_cast<uint32_t>(std::min(slots, pixels - first));
-      gpu::CommandList commands(device);
       StageArguments arguments = arguments_of(first, 0, count);
       for (arguments.bounce = 0; arguments.bounce < settings.max_depth; ++arguments.bounce)
-        record_step(commands, pipeline, "surface_footprints", arguments, count);
-      submit(std::move(commands), 0, 0);
-      finish_all_waves();
+        run_step("surface_footprints", arguments, count);
+      work.finish();
       std::ranges::copy(gpu::download_all<vec3>(device, buffers.path_footprints, count),
                         std::back_inserter(footprints));
     }
@@ -443,17 +434,20 @@ struct Renderer::Impl {
     }
   }
 
-  void render(const ProgressCallback& progress_in) {
+  void render(const ProgressCallback& progress_in, const std::function<bool()>& is_cancelled) {
     const auto start = Clock::now();
-    last_snapshot = last_wave = start;
+    last_snapshot = start;
     progress = &progress_in;
+    // Images of strategies have no snapshots.
+    if (!settings.has_strategy_images) work.set_cancellation(is_cancelled);
     if (!has_light_pass && !has_camera_pass)
       finished = total_paths;  // no technique can contribute: the image is black
     else if (plan.is_per_wave)
       render_by_waves();
     else
       render_by_iterations();
-    take_snapshot();
+    if (is_film_whole) take_snapshot();
+    if (is_running) progress_in(finished, total_paths);
     statistics.render_seconds += seconds_since(start);
   }
 };
@@ -473,8 +467,8 @@ std::vector<AovPixel> Renderer::surface_aovs() {
 std::vector<vec3> Renderer::surface_footprints() {
   return impl_->surface_footprints();
 }
-void Renderer::render(const ProgressCallback& progress) {
-  impl_->render(progress);
+void Renderer::render(const ProgressCallback& progress, const std::function<bool()>& is_cancelled) {
+  impl_->render(progress, is_cancelled);
 }
 const Film& Renderer::film() const {
   return impl_->film;

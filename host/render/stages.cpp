@@ -18,11 +18,6 @@ uint32_t groups_of(uint64_t items) {
   return static_cast<uint32_t>((items + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE);
 }
 
-// Merges take turns over the light vertices in reach, see MERGE_ROUND_LENGTH.
-uint32_t rounds_of(const StageStep& step, const WaveCommands& wave) {
-  return std::string_view(step.shader) == "merge" ? wave.merge_rounds : 1;
-}
-
 }  // namespace
 
 uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings) {
@@ -100,36 +95,10 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
   return pipeline;
 }
 
-void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, Pass pass,
-                 const WaveCommands& wave) {
-  StageArguments arguments = wave.arguments;
-  const auto record_extent = [&](Extent extent) {
-    std::string_view previous_shader;
-    for (const PipelineStep& entry : pipeline) {
-      if (entry.step.pass != pass || entry.step.extent != extent) continue;
-      for (uint32_t round = 0; round < rounds_of(entry.step, wave); ++round) {
-        if (entry.step.shader == previous_shader) commands.independent();
-        previous_shader = entry.step.shader;
-        StageArguments own = arguments;
-        if (round > 0) own.round = round;
-        if (extent == Extent::Once)
-          own.round = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
-        if (extent == Extent::Bounce) {
-          const uint64_t head = uint64_t{arguments.bounce} * QUEUES_PER_BOUNCE + entry.step.queue;
-          commands.dispatch_indirect(entry.kernel, gpu::bytes_of(own), wave.queue_heads,
-                                     head * sizeof(QueueHead));
-        } else {
-          commands.dispatch(entry.kernel, gpu::bytes_of(own),
-                            extent == Extent::Once ? 1 : groups_of(arguments.wave_paths));
-        }
-      }
-    }
-  };
-  record_extent(Extent::WaveStart);
-  for (arguments.bounce = 0; arguments.bounce < wave.bounces; ++arguments.bounce)
-    record_extent(Extent::Bounce);
-  record_extent(Extent::WaveEnd);
-  record_extent(Extent::Once);
+void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry, const StageArguments& arguments,
+                       const gpu::Buffer& queue_heads) {
+  const uint64_t head = uint64_t{arguments.bounce} * QUEUES_PER_BOUNCE + entry.step.queue;
+  commands.dispatch_indirect(entry.kernel, gpu::bytes_of(arguments), queue_heads, head * sizeof(QueueHead));
 }
 
 void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, std::string_view name,

@@ -32,6 +32,7 @@ enum class Extent {
   LightPaths,     ///< over the light paths of the iteration
   LightVertices,  ///< over the light vertices of the iteration
   Pixels,         ///< over the pixels that are rendered
+  MergeCount,     ///< per bounce whose merges are counted, over the queue named in the step
   Scan,           ///< a scan of what the stage before it wrote (render/scan.hpp)
 };
 
@@ -88,6 +89,9 @@ inline constexpr std::array STAGES = {
     StageStep{Pass::Camera, "connect",           "connect.opaque",              Extent::Bounce,        QUEUE_PAIRS + OPAQUE,        OPAQUE,       TECHNIQUE_CONNECT},
     StageStep{Pass::Camera, "connect",           "connect.transmissive",        Extent::Bounce,        QUEUE_PAIRS + TRANSMISSIVE,  TRANSMISSIVE, TECHNIQUE_CONNECT},
     StageStep{Pass::Camera, "trace_visibility",  "trace_visibility",            Extent::Bounce,        QUEUE_VISIBILITY,            ANY_CLASS,    TECHNIQUE_NEE | TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera, "merge_count",       "merge_count.diffuse",         Extent::MergeCount,    QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      TECHNIQUE_MERGE},
+    StageStep{Pass::Camera, "merge_count",       "merge_count.opaque",          Extent::MergeCount,    QUEUE_BOUNCE + OPAQUE,       OPAQUE,       TECHNIQUE_MERGE},
+    StageStep{Pass::Camera, "merge_count",       "merge_count.transmissive",    Extent::MergeCount,    QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
     StageStep{Pass::Camera, "merge",             "merge.diffuse",               Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      TECHNIQUE_MERGE},
     StageStep{Pass::Camera, "merge",             "merge.opaque",                Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       TECHNIQUE_MERGE},
     StageStep{Pass::Camera, "merge",             "merge.transmissive",          Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
@@ -133,18 +137,9 @@ bool is_needed(const StageStep& step, const scene::Features& features, const Ren
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
                                          const RenderSettings& settings);
 
-/// What the stages of a wave need to be recorded.
-struct WaveCommands {
-  const gpu::Buffer& queue_heads;
-  interface::StageArguments arguments;  ///< `bounce` is filled per bounce
-  uint32_t bounces;                     ///< rays per path at most
-  uint32_t merge_rounds = 1;            ///< dispatches of each merge stage
-};
-
-/// Records a pass over one wave: every step over its extent, queues dispatched indirectly with exact counts.
-/// The queue heads are empty.
-void record_wave(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, Pass pass,
-                 const WaveCommands& wave);
+/// Records a dispatch of a step over its queue of the bounce, with the exact count that `queue_heads` hold.
+void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry,
+                       const interface::StageArguments& arguments, const gpu::Buffer& queue_heads);
 
 /// Records the step named `name`, if it was built, over `items` items from arguments.first_pixel on, which
 /// becomes the first item of each dispatch.

@@ -32,12 +32,6 @@ uint64_t vertices_per_path(const RenderSettings& settings) {
   return std::max(settings.max_depth, 2u) - 1;
 }
 
-// Most pairs of one camera vertex.
-uint64_t pairs_per_path(const RenderSettings& settings) {
-  if (!has(settings, TECHNIQUE_CONNECT)) return 0;
-  return settings.cache_connections != 0 ? settings.cache_connections : vertices_per_path(settings);
-}
-
 // Most splat candidates of one path in one bounce: without `hit` the first bounce holds the emitter's own,
 // too.
 uint64_t splats_per_path(const RenderSettings& settings) {
@@ -46,6 +40,22 @@ uint64_t splats_per_path(const RenderSettings& settings) {
 }
 
 }  // namespace
+
+uint64_t pairs_per_path(const RenderSettings& settings) {
+  if (!has(settings, TECHNIQUE_CONNECT)) return 0;
+  return settings.cache_connections != 0 ? settings.cache_connections : vertices_per_path(settings);
+}
+
+uint64_t most_paths(const RenderSettings& settings, uint64_t most_groups, uint64_t most_bytes) {
+  const uint64_t pairs = pairs_per_path(settings), splats = splats_per_path(settings);
+  const uint64_t most_items = std::min<uint64_t>(most_groups * WORKGROUP_SIZE, UINT32_MAX);
+  const LightVertexPlan plan = plan_light_vertices(settings);
+  const uint64_t own_vertices = plan.has_vertices && plan.is_per_wave ? vertices_per_path(settings) : 0;
+  const uint64_t bytes = std::max({uint64_t{sizeof(Path)}, (1 + pairs) * sizeof(VisibilityCandidate),
+                                   MATERIAL_CLASS_COUNT * pairs * sizeof(ConnectionPair),
+                                   splats * sizeof(SplatCandidate), own_vertices * sizeof(PathVertex)});
+  return std::min(most_items / std::max(1 + pairs, splats), most_bytes / bytes);
+}
 
 LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   LightVertexPlan plan;
@@ -83,6 +93,7 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
   if (plan.has_histories)
     bytes += sizeof(PathHistory) *
              (plan.has_vertices ? 2 + (plan.is_per_wave ? vertices_per_path(settings) : 0) : 1);
+  if (plan.has_merges) bytes += sizeof(uint32_t);
   if (plan.has_footprints) bytes += sizeof(vec3);
   if (plan.has_sharp) bytes += sizeof(vec2) * (plan.is_per_wave ? 1 + vertices_per_path(settings) : 1);
   if (plan.has_vertices && plan.is_per_wave)
@@ -144,6 +155,7 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   if (plan_.has_histories && plan_.has_vertices)
     camera_vertex_histories_ =
         per_path(sizeof(PathHistory), "camera vertex histories", frame_.camera_vertex_histories);
+  if (plan_.has_merges) merge_starts_ = per_path(sizeof(uint32_t), "merge starts", frame_.merge_starts);
   if (plan_.has_vertices)
     camera_vertices_ = per_path(sizeof(PathVertex), "camera vertices", frame_.camera_vertices);
 
@@ -196,7 +208,7 @@ void WavefrontBuffers::create_strategy_buffers(gpu::Device& device, const Render
 }
 
 void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSettings& settings) {
-  light_vertex_count = device.create_buffer(2 * sizeof(uint32_t), "light vertex count");
+  light_vertex_count = device.create_buffer(LIGHT_COUNT_WORDS * sizeof(uint32_t), "light vertex count");
   frame_.light_vertex_count = address(light_vertex_count);
   if (!plan_.has_vertices) return;
   const uint64_t heads = plan_.is_per_wave ? frame_.wave_capacity : settings.light_paths;

@@ -26,6 +26,14 @@ struct LightVertexPlan {
 /// The plan for settings whose techniques are effective ones.
 LightVertexPlan plan_light_vertices(const RenderSettings& settings);
 
+/// Most connections of one path in a bounce.
+uint64_t pairs_per_path(const RenderSettings& settings);
+
+/// Most path slots on a device whose dispatches run so many groups and whose allocations hold so many bytes:
+/// no queue holds more items than one dispatch may run, no array is larger than one allocation. Settings as
+/// for plan_light_vertices.
+uint64_t most_paths(const RenderSettings& settings, uint64_t most_groups, uint64_t most_bytes);
+
 /// Device bytes of one path slot, over all queues.
 uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment);
 
@@ -49,7 +57,7 @@ class WavefrontBuffers {
   }
 
   gpu::Buffer queue_heads, empty_heads, film, splat_film, film_earlier, film_squares, aovs, counters;
-  gpu::Buffer light_vertex_count;  ///< two words: vertices, size of the most crowded cell if that is crowded
+  gpu::Buffer light_vertex_count;  ///< LIGHT_COUNT_* words
   gpu::Buffer light_path_ends, grid_cells;
   gpu::Buffer path_footprints;
   gpu::Buffer strategy_film;  ///< per strategy a weighted and an unweighted film
@@ -64,7 +72,7 @@ class WavefrontBuffers {
   interface::Frame frame_ {};
   gpu::Buffer frame_buffer_;
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
-      pairs_, escaped_;
+      pairs_, merge_starts_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_, strategy_layers_,
       candidate_strategies_, splat_strategies_, light_vertex_sharp_, light_receivers_, path_histories_,
       camera_vertex_histories_, light_vertex_histories_;

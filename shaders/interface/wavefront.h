@@ -11,7 +11,6 @@
 REGULUS_INTERFACE_BEGIN
 
 // Specialization constant ids, shared by all stages.
-REGULUS_CONSTANT SPEC_WORKGROUP_SIZE = 0u;
 REGULUS_CONSTANT SPEC_NDF = 1u;             // NDF_*
 REGULUS_CONSTANT SPEC_SHADOWING = 2u;       // SHADOWING_*
 REGULUS_CONSTANT SPEC_MATERIAL_CLASS = 3u;  // MATERIAL_CLASS_* the pipeline serves
@@ -299,13 +298,14 @@ struct Frame {
   DeviceAddress splats;              // splat candidates
   DeviceAddress light_vertices;      // of the light paths at hand
   DeviceAddress light_heads;         // LightPathHead per light path
-  DeviceAddress light_vertex_count;  // one word; may exceed light_vertex_capacity, what does not fit is not stored
+  DeviceAddress light_vertex_count;  // LIGHT_COUNT_* words; may exceed light_vertex_capacity, what does not fit is not stored
   DeviceAddress camera_vertices;     // PathVertex per path slot
   DeviceAddress pairs;               // one list per material class
   DeviceAddress light_path_ends;     // connections to the cache: exclusive scan of LightPathHead.count
   DeviceAddress grid_cells;          // first entry of each cell, and one past the last cell
   DeviceAddress grid_ranks;          // place of each light vertex in its cell
   DeviceAddress grid_entries;
+  DeviceAddress merge_starts;        // per path slot: the first of its merge's units, where a bounce's merges are counted
   // Only with regularization: accumulators (A, B) for a camera that sees the vertex sharply (lib/mis.glsl).
   DeviceAddress light_path_sharp;    // vec2 per path slot
   DeviceAddress light_vertex_sharp;  // vec2 per light vertex
@@ -354,7 +354,7 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
 };
-REGULUS_LAYOUT(Frame, 652);
+REGULUS_LAYOUT(Frame, 660);
 
 // Push constants of every stage.
 struct StageArguments {
@@ -364,15 +364,28 @@ struct StageArguments {
   uint first_pixel;    // film index (within the crop), or light path, of the wave's first path
   uint first_sample;   // and its sample index
   float merge_radius;  // m, of this iteration
-  uint round;          // merge: which share of the light vertices in reach this dispatch takes; light walks: 1 if
-                       // they are repeated and their splats are on the film already; count_work: the pass;
-                       // surface_aovs: the ray
+  uint round;          // merge: which of its turns of MERGE_ROUND_LENGTH a vertex takes; light walks: 1 if they are
+                       // repeated and their splats are on the film already; count_work: the pass; surface_aovs: the ray
+  uint first_item;     // connect, trace_visibility: place in the queue of the first item of this dispatch
+  uint merge_first;    // merge: the units [merge_first, merge_first + merge_units) of the bounce, or with no units every
+  uint merge_units;    // vertex's first turn
 };
-REGULUS_LAYOUT(StageArguments, 32);
+REGULUS_LAYOUT(StageArguments, 44);
 
 // Light vertices that one merge invocation looks at: an invocation may not loop longer than 65,535 times on
 // stock lavapipe.
 REGULUS_CONSTANT MERGE_ROUND_LENGTH = 32768u;
+// Where the merges of a bounce are counted, that many light vertices to look at count as one. Each vertex's begin with a
+// unit of their own.
+REGULUS_CONSTANT MERGE_UNIT = 64u;
+
+// Words of Frame.light_vertex_count.
+REGULUS_CONSTANT LIGHT_COUNT_VERTICES = 0u;  // of the light paths at hand
+REGULUS_CONSTANT LIGHT_COUNT_CROWD = 1u;     // light vertices in the most crowded cell of the grid, if that is crowded
+REGULUS_CONSTANT LIGHT_COUNT_UNITS = 2u;     // of the bounce's merges, where they are counted
+REGULUS_CONSTANT LIGHT_COUNT_WORDS = 3u;
+// A cell with as many light vertices is crowded.
+REGULUS_CONSTANT CROWDED_CELL = 16u;
 // Words summed by one invocation of a scan.
 REGULUS_CONSTANT SCAN_FAN = 64u;
 

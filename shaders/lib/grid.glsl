@@ -19,10 +19,39 @@ vec3 grid_position(Frame frame, float merge_radius, vec3 position) {
 
 // Light vertices stored.
 uint light_vertex_count(Frame frame) {
-  return min(LOAD(WordBuffer, frame.light_vertex_count, 0u), frame.light_vertex_capacity);
+  return min(LOAD(WordBuffer, frame.light_vertex_count, LIGHT_COUNT_VERTICES), frame.light_vertex_capacity);
 }
 
-// A cell with more light vertices than this is reported, so that the host may dispatch further merge rounds.
-const uint CROWDED_CELL = MERGE_ROUND_LENGTH / 16u;
+// The grid entries of the cells near a point: ranges without duplicates (cells may share a hash).
+struct Neighbourhood {
+  uint first[8];
+  uint count[8];
+  uint ranges;
+  uint total;
+};
+
+Neighbourhood neighbourhood(Frame frame, float merge_radius, vec3 position) {
+  ivec3 base = ivec3(floor(grid_position(frame, merge_radius, position) - 0.5));
+  Neighbourhood near;
+  near.ranges = 0u;
+  near.total = 0u;
+  for (uint corner = 0u; corner < 8u; ++corner) {
+    uint cell = grid_cell(frame, base + ivec3(corner & 1u, corner >> 1u & 1u, corner >> 2u));
+    uint first = LOAD(WordBuffer, frame.grid_cells, cell);
+    uint count = LOAD(WordBuffer, frame.grid_cells, cell + 1u) - first;
+    bool is_new = count > 0u;
+    for (uint i = 0u; i < near.ranges; ++i) is_new = is_new && near.first[i] != first;
+    if (is_new) {
+      near.first[near.ranges] = first;
+      near.count[near.ranges] = count;
+      near.ranges += 1u;
+      near.total += count;
+    }
+  }
+  return near;
+}
+
+// The units that a vertex with so many light vertices in reach takes.
+uint merge_units(uint in_reach) { return (in_reach + MERGE_UNIT - 1u) / MERGE_UNIT; }
 
 #endif

@@ -14,7 +14,7 @@ bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TE
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
 void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head) {
-  uint index = ATOMIC_ADD(frame.light_vertex_count, 0u, 1u);
+  uint index = ATOMIC_ADD(frame.light_vertex_count, LIGHT_COUNT_VERTICES, 1u);
   if (index >= frame.light_vertex_capacity) return;
   LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
   PathVertex vertex;

@@ -41,7 +41,7 @@ uint light_path_of(Frame frame, uint number) {
 // Vertices drawn uniformly from all light paths of the iteration, by their number and not by where they were
 // stored: that depends on timing.
 void append_cache_pairs(Frame frame, Path path, uint slot) {
-  uint cached = LOAD(WordBuffer, frame.light_vertex_count, 0u);
+  uint cached = LOAD(WordBuffer, frame.light_vertex_count, LIGHT_COUNT_VERTICES);
   if (cached == 0u) return;
   for (uint k = 0u; k < frame.cache_connections; ++k) {
     vec4 u = random_block(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, DIMENSION_BLOCK_CACHE + path.bounce * 256u + k / 4u);

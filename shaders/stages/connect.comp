@@ -11,7 +11,7 @@
 // Over how many connections the estimate of one camera vertex is divided.
 float connection_count(Frame frame) {
   if (frame.cache_connections == 0u) return 1.0;
-  float cached = float(LOAD(WordBuffer, frame.light_vertex_count, 0u));
+  float cached = float(LOAD(WordBuffer, frame.light_vertex_count, LIGHT_COUNT_VERTICES));
   return float(frame.cache_connections) * float(frame.light_path_count) / cached;
 }
 
@@ -68,7 +68,7 @@ Weighted weighted_value(Frame frame, Connection connection) {
 }
 
 void main() {
-  uint i = item_index();
+  uint i = stage.first_item + item_index();
   if (i >= queue_count(QUEUE_PAIRS + spec_material_class)) return;
   Frame frame = FRAME;
   ConnectionPair pair = LOAD(ConnectionPairBuffer, frame.pairs, spec_material_class * frame.pair_capacity + i);

@@ -14,5 +14,5 @@ void main() {
   uint cell = grid_cell(frame, ivec3(floor(grid_position(frame, stage.merge_radius, position))));
   uint rank = ATOMIC_ADD(frame.grid_cells, cell, 1u);
   STORE(WordBuffer, frame.grid_ranks, i, rank);
-  if (rank >= CROWDED_CELL) atomicMax(WordBuffer(frame.light_vertex_count).items[1], rank + 1u);
+  if (rank >= CROWDED_CELL) atomicMax(WordBuffer(frame.light_vertex_count).items[LIGHT_COUNT_CROWD], rank + 1u);
 }

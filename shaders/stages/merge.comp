@@ -9,35 +9,6 @@
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
-// The grid entries of the cells near a point: ranges without duplicates (cells may share a hash).
-struct Neighbourhood {
-  uint first[8];
-  uint count[8];
-  uint ranges;
-  uint total;
-};
-
-Neighbourhood neighbourhood(Frame frame, vec3 position) {
-  ivec3 base = ivec3(floor(grid_position(frame, stage.merge_radius, position) - 0.5));
-  Neighbourhood near;
-  near.ranges = 0u;
-  near.total = 0u;
-  for (uint corner = 0u; corner < 8u; ++corner) {
-    uint cell = grid_cell(frame, base + ivec3(corner & 1u, corner >> 1u & 1u, corner >> 2u));
-    uint first = LOAD(WordBuffer, frame.grid_cells, cell);
-    uint count = LOAD(WordBuffer, frame.grid_cells, cell + 1u) - first;
-    bool is_new = count > 0u;
-    for (uint i = 0u; i < near.ranges; ++i) is_new = is_new && near.first[i] != first;
-    if (is_new) {
-      near.first[near.ranges] = first;
-      near.count[near.ranges] = count;
-      near.ranges += 1u;
-      near.total += count;
-    }
-  }
-  return near;
-}
-
 // Surfaces that are hardly there are hardly met: what is lost by this bound is of its size.
 const float MIN_COVERAGE = 1e-3;
 
@@ -91,6 +62,18 @@ Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint i
                   mix(bsdf.plain.value, value.unweighted, share));
 }
 
+// Which of the `total` light vertices in reach this dispatch looks at: [x, y), no more than MERGE_ROUND_LENGTH.
+uvec2 visits_of(Frame frame, uint slot, uint total) {
+  if (stage.merge_units == 0u) return uvec2(0u, min(total, MERGE_ROUND_LENGTH));
+  uint start = LOAD(WordBuffer, frame.merge_starts, slot);
+  uint first = max(start, stage.merge_first);
+  uint last = min(start + merge_units(total), stage.merge_first + stage.merge_units);
+  if (first >= last) return uvec2(0u);
+  uint begin = (first - start) * MERGE_UNIT + stage.round * MERGE_ROUND_LENGTH;
+  uint end = min((last - start) * MERGE_UNIT, total);
+  return uvec2(begin, min(end, begin + MERGE_ROUND_LENGTH));
+}
+
 // What one light vertex contributes at the camera vertex.
 Weighted merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
   vec3 wi = to_local(gatherer.point, light.direction);
@@ -108,9 +91,9 @@ void main() {
   uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
   PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, slot);
   if (camera.edges == 0u) return;
-  Neighbourhood near = neighbourhood(frame, camera.position);
-  uint skipped = stage.round * MERGE_ROUND_LENGTH;
-  if (near.total <= skipped) return;
+  Neighbourhood near = neighbourhood(frame, stage.merge_radius, camera.position);
+  uvec2 visits = visits_of(frame, slot, near.total);
+  if (visits.x >= visits.y) return;
 
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Gatherer gatherer;
@@ -129,15 +112,14 @@ void main() {
   gatherer.counts = technique_counts(frame, stage.merge_radius);
   gatherer.mis = mis_camera_vertex(gatherer.counts, camera.mis_a, camera.mis_b, gatherer.edges);
   if (has_histories()) gatherer.history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, slot);
-  uint range = 0u, place = skipped;
+  uint range = 0u, place = visits.x;
   for (uint r = 0u; r < 8u && place >= near.count[range]; ++r) {
     place -= near.count[range];
     range += 1u;
   }
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
-  uint visits = min(near.total - skipped, MERGE_ROUND_LENGTH);
-  for (uint visit = 0u; visit < visits; ++visit) {
+  for (uint visit = visits.x; visit < visits.y; ++visit) {
     GridEntry entry = LOAD(GridEntryBuffer, frame.grid_entries, near.first[range] + place);
     place += 1u;
     if (place == near.count[range]) {

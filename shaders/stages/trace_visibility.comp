@@ -10,7 +10,7 @@
 #include "lib/traversal.glsl"
 
 void main() {
-  uint i = item_index();
+  uint i = stage.first_item + item_index();
   if (i >= queue_count(QUEUE_VISIBILITY)) return;
   VisibilityCandidate candidate = LOAD(CandidateBuffer, FRAME.candidates, i);
   bool occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);

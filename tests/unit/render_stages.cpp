@@ -6,6 +6,7 @@
 #include <string>
 
 #include "render/stages.hpp"
+#include "render/wavefront_buffers.hpp"
 
 namespace regulus::render {
 namespace {
@@ -102,6 +103,25 @@ TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
   settings.bound = BOUND_DIRECTIONAL;
   features = {};
   EXPECT_FALSE(is_dropped(features)) << "the alpha of other bounds depends on directions";
+}
+
+// By the sizes of the structs: with 1023 light vertices to connect to a path has 1024 candidates of 44 bytes
+// and three lists of 1023 pairs of 8; 65,535 groups of 64 are what Vulkan guarantees.
+TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.light_paths = 64 * 64;
+  constexpr uint64_t MUCH = uint64_t{1} << 50, GROUPS = 65535;
+  EXPECT_EQ(most_paths(settings, GROUPS, MUCH), GROUPS * 64) << "a path has one item in any queue";
+  EXPECT_EQ(most_paths(settings, MUCH, 64 * 1000), 1000u) << "paths are the largest array";
+  settings.techniques |= TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  settings.max_depth = 1024;
+  EXPECT_EQ(most_paths(settings, GROUPS, MUCH), GROUPS * 64 / 1024);
+  EXPECT_EQ(most_paths(settings, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1023 * 64))
+      << "light vertices";
+  settings.cache_connections = 1024;
+  EXPECT_EQ(most_paths(settings, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1025 * 44)) << "candidates";
+  EXPECT_LE(most_paths(settings, MUCH, MUCH) * 1025, UINT32_MAX) << "items are counted with 32 bits";
 }
 
 }  // namespace

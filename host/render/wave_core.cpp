@@ -1,0 +1,173 @@
+#include "render/wave_core.hpp"
+
+#include <algorithm>
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+// After so many bounces the host asks how many paths are left, which bounds all later ones. Most renders end
+// before.
+constexpr uint32_t BOUNCES_BETWEEN_COUNTS = 16;
+constexpr uint64_t UNITS_OFFSET = LIGHT_COUNT_UNITS * sizeof(uint32_t);  // in the light vertex count
+// Looking at a light vertex takes a 32nd of the time of a ray, finding those in reach an eighth.
+constexpr uint64_t VISITS_PER_ITEM = 32, NEIGHBOURHOODS_PER_ITEM = 8;
+
+uint32_t groups_of(uint64_t items) {
+  return static_cast<uint32_t>((items + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE);
+}
+
+uint64_t units_of(uint64_t visits) {
+  return (visits + MERGE_UNIT - 1) / MERGE_UNIT;
+}
+
+uint64_t merge_items(uint64_t vertices, uint64_t visits) {
+  return vertices / NEIGHBOURHOODS_PER_ITEM + 1 + visits / VISITS_PER_ITEM + 1;
+}
+
+bool has_shader(const PipelineStep& entry, std::string_view shader) {
+  return shader == entry.step.shader;
+}
+
+}  // namespace
+
+WaveCore::WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
+                   const WavefrontBuffers& buffers, const RenderSettings& settings)
+    : device_(device),
+      work_(work),
+      pipeline_(pipeline),
+      buffers_(buffers),
+      max_depth_(settings.max_depth),
+      connections_(pairs_per_path(settings)),
+      has_merges_((settings.techniques & TECHNIQUE_MERGE) != 0) {}
+
+uint64_t WaveCore::most_paths(uint64_t reach) {
+  return std::max<uint64_t>(UINT32_MAX / std::max<uint64_t>(units_of(reach), 1), 1);
+}
+
+bool WaveCore::run(Pass pass, const StageArguments& arguments, uint64_t reach) {
+  uint64_t live = arguments.wave_paths;
+  gpu::CommandList& start = work_.room_for(live);
+  start.copy(buffers_.empty_heads, 0, buffers_.queue_heads, 0, buffers_.queue_heads.size());
+  record(start, pass, Extent::WaveStart, arguments);
+  const uint32_t bounces = pass == Pass::Light ? std::max(max_depth_, 2u) - 1 : max_depth_;
+  StageArguments own = arguments;
+  for (own.bounce = 0; own.bounce < bounces && live > 0; ++own.bounce) {
+    if (own.bounce > 0 && own.bounce % BOUNCES_BETWEEN_COUNTS == 0)
+      live = read_heads(own.bounce)[QUEUE_RAYS].count;
+    if (work_.is_cancelled()) return false;
+    run_bounce(pass, own, live, pass == Pass::Camera ? reach : 0);
+  }
+  if (work_.is_cancelled()) return false;
+  gpu::CommandList& end = work_.room_for(2 * uint64_t{arguments.wave_paths});
+  record(end, pass, Extent::WaveEnd, arguments);
+  own = arguments;
+  own.round = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
+  record(end, pass, Extent::Once, own);
+  return true;
+}
+
+// Every step of the pass that runs to this extent. Queues are dispatched indirectly with exact counts.
+void WaveCore::record(gpu::CommandList& commands, Pass pass, Extent extent, const StageArguments& arguments) {
+  std::string_view previous_shader;
+  for (const PipelineStep& entry : pipeline_) {
+    if (entry.step.pass != pass || entry.step.extent != extent) continue;
+    if (has_shader(entry, previous_shader)) commands.independent();
+    previous_shader = entry.step.shader;
+    if (extent == Extent::Once)
+      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), 1);
+    else if (extent == Extent::WaveStart || extent == Extent::WaveEnd)
+      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(arguments.wave_paths));
+    else
+      record_over_queue(commands, entry, arguments, buffers_.queue_heads);
+  }
+}
+
+// Rays only grow fewer from bounce to bounce: `live` bounds what the bounce can make.
+void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, uint64_t reach) {
+  const bool is_camera = pass == Pass::Camera;
+  const uint64_t connect_items = is_camera ? 2 * connections_ * live : 0;
+  const bool merges = is_camera && has_merges_;
+  const bool is_reach_short = reach <= MERGE_ROUND_LENGTH;
+  const uint64_t others = ITEMS_PER_PATH * live + connect_items;
+  const uint64_t all = others + (merges ? merge_items(live, live * reach) : 0);
+  if (is_reach_short && all <= work_.bound())
+    record(work_.room_for(all), pass, Extent::Bounce, arguments);
+  else
+    run_counted_bounce(pass, arguments, live, merges, reach);
+}
+
+// What may be too much for a submission is counted, once it is known what it is, and cut.
+void WaveCore::run_counted_bounce(Pass pass, const StageArguments& arguments, uint64_t live,
+                                  bool counts_merges, uint64_t reach) {
+  gpu::CommandList& walk = work_.room_for(ITEMS_PER_PATH * live);
+  if (counts_merges) walk.fill(buffers_.light_vertex_count, UNITS_OFFSET, sizeof(uint32_t), 0);
+  std::string_view previous_shader;
+  for (const PipelineStep& entry : pipeline_) {
+    const bool is_walk = entry.step.extent == Extent::Bounce && !has_shader(entry, "connect") &&
+                         !has_shader(entry, "trace_visibility") && !has_shader(entry, "merge");
+    if (entry.step.pass != pass || !(is_walk || (counts_merges && entry.step.extent == Extent::MergeCount)))
+      continue;
+    if (has_shader(entry, previous_shader)) walk.independent();
+    previous_shader = entry.step.shader;
+    record_over_queue(walk, entry, arguments, buffers_.queue_heads);
+  }
+  Heads heads = read_heads(arguments.bounce);
+  const uint64_t units =
+      counts_merges
+          ? gpu::download_all<uint32_t>(device_, buffers_.light_vertex_count, 1, UNITS_OFFSET).front()
+          : 0;
+  run_over_queue("connect", arguments, heads);
+  // Connections that carry something become candidates.
+  for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c)
+    heads[QUEUE_VISIBILITY].count += heads[QUEUE_PAIRS + c].count;
+  run_over_queue("trace_visibility", arguments, heads);
+  run_merges(arguments, heads, units, reach);
+}
+
+void WaveCore::run_over_queue(std::string_view shader, StageArguments arguments, const Heads& heads) {
+  for (const PipelineStep& entry : pipeline_) {
+    if (!has_shader(entry, shader)) continue;
+    const uint64_t count = heads[entry.step.queue].count;
+    for (uint64_t first = 0, items = 0; first < count && !work_.is_cancelled(); first += items) {
+      items = std::min(work_.bound(), count - first);
+      arguments.first_item = static_cast<uint32_t>(first);
+      work_.room_for(items).dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(items));
+    }
+  }
+}
+
+// The steps of all merges of the bounce are numbered in units of MERGE_UNIT; each dispatch takes a range of
+// them, and of one vertex no more than an invocation may.
+void WaveCore::run_merges(StageArguments arguments, const Heads& heads, uint64_t units, uint64_t reach) {
+  const uint64_t units_at_once = std::max<uint64_t>(work_.bound() / 2 * VISITS_PER_ITEM / MERGE_UNIT, 1);
+  for (uint64_t first = 0; first < units; first += units_at_once) {
+    const uint64_t here = std::min(units_at_once, units - first);
+    arguments.merge_first = static_cast<uint32_t>(first);
+    arguments.merge_units = static_cast<uint32_t>(here);
+    const uint64_t longest = std::min(reach, here * MERGE_UNIT);
+    const auto rounds = static_cast<uint32_t>((longest + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH);
+    for (arguments.round = 0; arguments.round < rounds; ++arguments.round)
+      for (const PipelineStep& entry : pipeline_) {
+        const uint64_t count = has_shader(entry, "merge") ? heads[entry.step.queue].count : 0;
+        if (count == 0) continue;
+        if (work_.is_cancelled()) return;
+        const uint64_t visits = std::min(here * MERGE_UNIT, count * MERGE_ROUND_LENGTH);
+        work_.room_for(merge_items(count, visits))
+            .dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(count));
+      }
+  }
+}
+
+WaveCore::Heads WaveCore::read_heads(uint32_t bounce) {
+  work_.finish();
+  const auto heads = gpu::download_all<QueueHead>(device_, buffers_.queue_heads, QUEUES_PER_BOUNCE,
+                                                  uint64_t{bounce} * QUEUES_PER_BOUNCE * sizeof(QueueHead));
+  Heads result;
+  std::ranges::copy(heads, result.begin());
+  return result;
+}
+
+}  // namespace regulus::render

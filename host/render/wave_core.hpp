@@ -1,0 +1,55 @@
+// One wave of a pass on its way through the stages, cut into submissions of bounded work.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "gpu/gpu.hpp"
+#include "render/stages.hpp"
+#include "render/wavefront_buffers.hpp"
+#include "render/work_queue.hpp"
+
+namespace regulus::render {
+
+/// Most items that one path in flight can make in a bounce beside connections and merges: its ray, the
+/// surface it meets, and a light sample or two splats.
+inline constexpr uint64_t ITEMS_PER_PATH = 4;
+
+class WaveCore {
+ public:
+  /// All must outlive the object.
+  WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
+           const WavefrontBuffers& buffers, const RenderSettings& settings);
+
+  /// Runs all steps of a light or camera pass over arguments.wave_paths paths. `reach`: most light vertices
+  /// that one camera vertex may look at in a merge. False if the wave was not recorded to its end because the
+  /// work was cancelled. Preconditions: wave_paths times ITEMS_PER_PATH is within the queue's bound; the wave
+  /// holds at most most_paths(reach).
+  bool run(Pass pass, const interface::StageArguments& arguments, uint64_t reach = 0);
+
+  /// Steps of a merge are numbered over a wave with 32 bits.
+  static uint64_t most_paths(uint64_t reach);
+
+ private:
+  using Heads = std::array<interface::QueueHead, interface::QUEUES_PER_BOUNCE>;
+  void record(gpu::CommandList& commands, Pass pass, Extent extent,
+              const interface::StageArguments& arguments);
+  void run_bounce(Pass pass, interface::StageArguments arguments, uint64_t live, uint64_t reach);
+  void run_counted_bounce(Pass pass, const interface::StageArguments& arguments, uint64_t live,
+                          bool counts_merges, uint64_t reach);
+  void run_over_queue(std::string_view shader, interface::StageArguments arguments, const Heads& heads);
+  void run_merges(interface::StageArguments arguments, const Heads& heads, uint64_t units, uint64_t reach);
+  Heads read_heads(uint32_t bounce);
+
+  gpu::Device& device_;
+  WorkQueue& work_;
+  const std::vector<PipelineStep>& pipeline_;
+  const WavefrontBuffers& buffers_;
+  uint32_t max_depth_;
+  uint64_t connections_;  // most of one path in a bounce
+  bool has_merges_;
+};
+
+}  // namespace regulus::render
