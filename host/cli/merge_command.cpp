@@ -1,12 +1,15 @@
-// regulus merge: joins sample ranges of one render, exactly.
+// regulus merge: joins sample ranges and crops of one render, exactly.
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <map>
 #include <memory>
 
 #include "base/error.hpp"
 #include "cli/commands.hpp"
+#include "cli/join_windows.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/part.hpp"
@@ -57,9 +60,11 @@ void require_complete(const Part& part) {
 
 // The films must have the same sums: settings that agree make them so, unless a file was tampered with.
 void require_same_sums(const Part& a, const Part& b) {
-  if (a.film.words.size() != b.film.words.size() || a.film.splat_words.size() != b.film.splat_words.size() ||
-      a.film.earlier_words.size() != b.film.earlier_words.size() ||
-      a.film.square_words.size() != b.film.square_words.size())
+  const auto differ = [](const std::vector<uint32_t>& x, const std::vector<uint32_t>& y) {
+    return x.empty() != y.empty();  // their lengths follow from the crop
+  };
+  if (differ(a.film.splat_words, b.film.splat_words) || differ(a.film.earlier_words, b.film.earlier_words) ||
+      differ(a.film.square_words, b.film.square_words))
     throw Error(ExitStatus::BadFile,
                 fmt::format("{} and {} hold different kinds of sums", a.path.string(), b.path.string()));
 }
@@ -88,32 +93,59 @@ std::vector<SampleRange> join(std::vector<FiledRange> all) {
   return joined;
 }
 
+/// Parts of one crop: their sums, and what each of them holds.
+struct Window {
+  Part sum;
+  std::vector<FiledRange> ranges;
+};
+
+image::Attributes without_crop(image::Attributes attributes) {
+  attributes.erase("regulus:crop");
+  return attributes;
+}
+
+void add(const Part& part, Window& window) {
+  if (window.sum.film.words.empty())
+    window.sum = part;
+  else
+    render::add(window.sum.film, part.film);
+  for (const SampleRange& range : part.ranges) window.ranges.push_back({range, part.path.string()});
+}
+
+// The samples of each crop, added up.
+std::vector<Part> add_samples(const std::vector<std::string>& files) {
+  std::map<std::array<uint32_t, 4>, Window> windows;
+  Part first;
+  for (const std::string& file : files) {
+    Part part = read_part(file);
+    require_complete(part);
+    if (first.path.empty())
+      first = part;
+    else
+      require_same_render(first.path.string(), without_crop(first.contents.attributes), part.path.string(),
+                          without_crop(part.contents.attributes));
+    require_same_sums(first, part);
+    const image::Placement& place = part.contents.placement;
+    add(part, windows[{place.y, place.x, part.film.width, part.film.height}]);
+  }
+  std::vector<Part> parts;
+  for (auto& [place, window] : windows) {
+    window.sum.ranges = join(std::move(window.ranges));
+    parts.push_back(std::move(window.sum));
+  }
+  return parts;
+}
+
 void merge(const MergeOptions& options) {
   require_free_output(options);
   const Format format =
       image::require_format("OUTPUT", options.output, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
   image::require_writable(options.output);
-  Part sum = read_part(options.parts.front());
-  require_complete(sum);
-  std::vector<FiledRange> ranges;
-  const auto file = [&](const Part& part) {
-    for (const SampleRange& range : part.ranges) ranges.push_back({range, part.path.string()});
-  };
-  file(sum);
-  for (size_t i = 1; i < options.parts.size(); ++i) {
-    const Part part = read_part(options.parts[i]);
-    require_complete(part);
-    require_same_render(sum.path.string(), sum.contents.attributes, part.path.string(),
-                        part.contents.attributes);
-    require_same_sums(sum, part);
-    render::add(sum.film, part.film);
-    file(part);
-  }
-  const std::vector<SampleRange> joined = join(std::move(ranges));
+  Part sum = join_windows(add_samples(options.parts));
 
   image::ExrContents& contents = sum.contents;
   const std::string samples = std::to_string(sum.film.paths / sum.film.pixels());
-  contents.attributes["regulus:first_sample"] = std::to_string(joined.front().first);
+  contents.attributes["regulus:first_sample"] = std::to_string(sum.ranges.front().first);
   contents.attributes["regulus:samples"] = contents.attributes["regulus:samples_done"] = samples;
   for (const char* color : {"R", "G", "B"}) contents.channels.erase(color);
   render::add_film_channels(sum.film, render::parse_aovs(contents.attributes["regulus:aov"]),
@@ -121,7 +153,7 @@ void merge(const MergeOptions& options) {
   OutputWriter writer;
   writer.write(options.output, [&] {
     if (format == Format::Exr)
-      return encode_part(options.output, sum.film, joined, contents.attributes, contents.channels,
+      return encode_part(options.output, sum.film, sum.ranges, contents.attributes, contents.channels,
                          contents.placement);
     return image::encode_picture(format, render::resolve(sum.film), 0, {}, {}, {}, options.output);
   });
@@ -133,7 +165,7 @@ void merge(const MergeOptions& options) {
 void add_merge_command(CLI::App& app) {
   const auto options = std::make_shared<MergeOptions>();
   CLI::App* command = app.add_subcommand(
-      "merge", "Join parts of a render (render --samples) into the image of all their samples");
+      "merge", "Join parts of a render (render --samples, --crop) into the image of all their samples");
   command
       ->add_option("OUTPUT", options->output,
                    "File to write: .exr, which is a part again, or a picture alone in .png, .jpg, .hdr")

@@ -14,6 +14,7 @@ namespace regulus::cli {
 /// Samples [first, first + count) of every pixel.
 struct SampleRange {
   uint64_t first = 0, count = 0;
+  bool operator==(const SampleRange&) const = default;
 };
 
 /// A file with sums (render/film_file.hpp).

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <utility>
@@ -110,6 +111,28 @@ void add(Film& film, const Film& other) {
   }
   film.paths += other.paths;
   film.light_paths += other.light_paths;
+}
+
+Film empty_like(const Film& film, uint32_t width, uint32_t height) {
+  Film empty;
+  empty.width = width;
+  empty.height = height;
+  empty.light_paths = film.light_paths;
+  empty.light_paths_per_iteration = film.light_paths_per_iteration;
+  for (const Layer& layer : LAYERS)
+    if (!(film.*layer.words).empty()) (empty.*layer.words).resize(empty.pixels() * FILM_WORDS_PER_PIXEL);
+  return empty;
+}
+
+void place(const Film& part, uint32_t x, uint32_t y, Film& whole) {
+  const uint64_t words_per_row = uint64_t{part.width} * FILM_WORDS_PER_PIXEL;
+  for (const Layer& layer : LAYERS) {
+    const std::vector<uint32_t>& words = part.*layer.words;
+    for (uint64_t row = 0; !words.empty() && row < part.height; ++row)
+      std::copy_n(&words[row * words_per_row], words_per_row,
+                  &(whole.*layer.words)[((y + row) * whole.width + x) * FILM_WORDS_PER_PIXEL]);
+  }
+  whole.paths += part.paths;
 }
 
 }  // namespace regulus::render

@@ -20,4 +20,11 @@ Film take_film(const std::filesystem::path& path, image::ExrContents& contents);
 /// complete (the same samples of every pixel).
 void add(Film& film, const Film& other);
 
+/// A film of another size with the same kinds of sums, all 0, and the same light paths, but no paths.
+Film empty_like(const Film& film, uint32_t width, uint32_t height);
+
+/// Copies the sums of `part` to the pixels from (x, y) on of `whole`, and counts its paths. Precondition: it
+/// has the same kinds of sums and lies within.
+void place(const Film& part, uint32_t x, uint32_t y, Film& whole);
+
 }  // namespace regulus::render

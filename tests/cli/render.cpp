@@ -204,7 +204,7 @@ TEST_F(Render, InterruptWritesWhatWasRendered) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGXCPU}) {
     Process process(endless(gltf(), exr()));
     ASSERT_TRUE(process.wait_for_handler(signal)) << process.wait().err;
-    std::this_thread::sleep_for(std::chrono::seconds(1));
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
     const auto sent = std::chrono::steady_clock::now();
     process.send(signal);
     std::this_thread::sleep_for(std::chrono::milliseconds(1));

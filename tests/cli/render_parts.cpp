@@ -196,6 +196,40 @@ TEST_F(RenderParts, DamagedPartsAreRefused) {
   EXPECT_FALSE(fs::exists(file("out.exr")));
 }
 
+// Four tiles, one of them in two ranges of samples, are the whole, bit by bit.
+TEST_F(RenderParts, MergedCropsAreTheWholeBitByBit) {
+  const std::string integrator = is_slow_device() ? "pt" : "bpt";  // whose splats cross the edges of crops
+  const auto part = [&](const std::string& name, const std::string& crop, const std::string& samples) {
+    Arguments more = {"-i", integrator, "--samples", samples, "--aov", "variance,Z,material"};
+    if (!crop.empty()) more.insert(more.end(), {"--crop", crop});
+    render(name + ".exr", more);
+    return file(name + ".exr");
+  };
+  const std::string whole = part("whole", "", "0:3");
+  const std::string a = part("a", "0,0,10,16", "0:3"), b = part("b", "10,0,24,7", "0:1"),
+                    b2 = part("b2", "10,0,24,7", "1:2"), c = part("c", "10,7,24,16", "0:3");
+  const auto merge = [&](const Arguments& parts) {
+    fs::remove(file("joined.exr"));
+    Arguments arguments = {"merge", file("joined.exr")};
+    arguments.insert(arguments.end(), parts.begin(), parts.end());
+    return run(arguments);
+  };
+  const Finished merged = merge({c, b2, a, b});
+  ASSERT_EQ(merged.status, 0) << merged.err;
+  const image::ExrContents joined = contents("joined.exr"), known = contents("whole.exr");
+  EXPECT_TRUE(joined.channels == known.channels) << integrator;
+  for (const char* name :
+       {"regulus:crop", "regulus:sample_ranges", "regulus:paths", "regulus:light_paths_done"})
+    EXPECT_EQ(joined.attributes.at(name), known.attributes.at(name)) << name;
+  // The right half is a crop again.
+  ASSERT_EQ(merge({b, b2, c}).status, 0);
+  EXPECT_EQ(contents("joined.exr").placement.x, 10u);
+  EXPECT_EQ(contents("joined.exr").attributes.at("regulus:crop"), "[10,0,24,16]");
+  expect_error(merge({a, b, b2}), 3, {"gaps"});
+  expect_error(merge({a, b, c}), 3, {"different samples"});
+  expect_error(merge({a, b, b2, c, whole}), 3, {"overlap"});
+}
+
 // A flipped bit, wherever it is, is found, or changes nothing that is merged.
 TEST_F(RenderParts, FlippedBitsNeverMergeIntoAnotherPicture) {
   render("a.exr", {"--samples", "0:2"});
@@ -277,9 +311,16 @@ TEST_F(RenderParts, ACheckpointIsTriedAgain) {
   std::erase(arguments, "--quiet");
   Process process(arguments);
   ASSERT_TRUE(process.wait_for_handler(SIGTERM)) << process.wait().err;
-  fs::rename(file("states"), file("gone"));
-  std::this_thread::sleep_for(std::chrono::seconds(6));  // a state of the film every five
-  fs::rename(file("gone"), file("states"));
+  // States of the film are five seconds apart: it need not render all that time.
+  const auto pause_while = [&](const std::function<void()>& action) {
+    process.send(SIGSTOP);
+    action();
+    std::this_thread::sleep_for(std::chrono::seconds(5));
+    process.send(SIGCONT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  };
+  pause_while([&] { fs::rename(file("states"), file("gone")); });
+  pause_while([&] { fs::rename(file("gone"), file("states")); });
   for (int i = 0; i < 600 && !fs::exists(file("states/state.exr")); ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   EXPECT_TRUE(fs::exists(file("states/state.exr")));
