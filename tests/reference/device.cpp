@@ -381,5 +381,39 @@ TEST(DeviceConnections, RegularizedAgreeWithTheReference) {
     }
 }
 
+// A floor whose normals lean far over: light from the other side arrives above the surface, but behind its
+// shading normal. The walk ends there, yet a merge scatters at the camera's surface and needs the vertex.
+TEST(DeviceConnections, VerticesBehindTheirShadingNormalAreStored) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  GltfScene scene;
+  Corners leaning;
+  leaning.normals.assign(4, glm::normalize(glm::vec3(0.95F, 0.3F, 0)));
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.5, 0.5, 0.5}), glm::dmat4(1), leaning);
+  scene.add_point_light({0, 0.5, 0}, {1, 1, 1});
+  scene.set_perspective(look_at({0, 2, 0}, {0, 0, 0.001}), 1);
+  const PreparedScene prepared = prepare(scene);
+  constexpr uint32_t PATHS = 16 * 16, TECHNIQUES = TECHNIQUE_NEE | render::LIGHT_SUBPATH_TECHNIQUES;
+  render::RenderSettings settings = box_filtered(16, 16, 1, 2);
+  settings.techniques = TECHNIQUES;
+  settings.cache_connections = 1;
+  settings.merge_radius = 0.1F;
+  render::StageRecorder recorder(*device(), prepared.scene, prepared.bvh, settings, PATHS, TECHNIQUES);
+  const size_t stored = recorder.record_light_vertices(0).light_vertices.size();
+  const reference::World world(prepared.scene, prepared.bvh);
+  reference::Settings wanted;
+  wanted.width = wanted.height = 16;
+  wanted.max_depth = 2;
+  size_t arrived = 0, behind = 0;
+  for (uint32_t path = 0; path < PATHS; ++path)
+    for (const reference::WalkVertex& vertex : walk_from_light(world, wanted, path, 0).vertices) {
+      ++arrived;
+      behind += dot(vertex.w_back, vertex.surface.shading_normal) < 0 ? 1 : 0;
+    }
+  std::printf("%zu light vertices stored, %zu arrived, %zu of them behind the shading normal\n", stored,
+              arrived, behind);
+  EXPECT_GT(behind, arrived / 10);
+  EXPECT_EQ(stored, arrived);
+}
+
 }  // namespace
 }  // namespace regulus::test
