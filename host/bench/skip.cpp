@@ -63,13 +63,16 @@ class Speck {
   /// One white texel.
   uint32_t texture(uint32_t flags = 0) {
     Texture texture{};
-    texture.first_texel = static_cast<uint32_t>(scene_.texels.size() / 2);
+    texture.image = static_cast<uint32_t>(scene_.images.size());
     texture.width = texture.height = 1;
     texture.flags = flags;
     texture.map_u = {1, 0, 0};
     texture.map_v = {0, 1, 0};
-    constexpr uint32_t TWO_HALF_ONES = 0x3C003C00;
-    scene_.texels.insert(scene_.texels.end(), 2, TWO_HALF_ONES);
+    constexpr uint32_t TWO_HALF_ONES = 0x3C003C00, FOUR_CODES = 0xFFFFFFFF;
+    if ((flags & TEXTURE_HALF) != 0)
+      scene_.images.push_back({TWO_HALF_ONES, TWO_HALF_ONES});
+    else
+      scene_.images.push_back({FOUR_CODES});
     scene_.textures.push_back(texture);
     return static_cast<uint32_t>(scene_.textures.size() - 1);
   }
@@ -97,6 +100,7 @@ const std::map<uint32_t, Addition>& additions() {
       {FEATURE_TEXTURES, [](Speck& s) { s.material().base_color_texture = s.texture(); }},
       {FEATURE_TEXTURE_MAPPINGS,
        [](Speck& s) { s.material().base_color_texture = s.texture(TEXTURE_MAPPED); }},
+      {FEATURE_WIDE_TEXELS, [](Speck& s) { s.material().base_color_texture = s.texture(TEXTURE_HALF); }},
       {FEATURE_SECOND_UVS,
        [](Speck& s) {
          s.scene().vertex_uvs.resize(s.scene().vertices.size(), glm::vec2(0));

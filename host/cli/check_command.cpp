@@ -190,7 +190,9 @@ void run_check(CLI::App& command, CheckOptions& options) {
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
   if (!radius_warning.empty()) spdlog::warn("{}: {}", scene.path.string(), radius_warning);
-  gpu::Device device({.select = options.render.device, .software_stage_times = false});
+  gpu::Device device({.select = options.render.device,
+                      .software_stage_times = false,
+                      .memory_bytes = options.render.memory_bytes});
   say("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 
   const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling,

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/printable.hpp"
 #include "bvh/scene_bvh.hpp"
 #include "cli/commands.hpp"
 #include "cli/merge_radius.hpp"
@@ -17,6 +18,7 @@
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
 #include "image/atomic_file.hpp"
+#include "render/device_images.hpp"
 #include "render/stages.hpp"
 #include "scene/placement.hpp"
 
@@ -32,6 +34,7 @@ struct InspectOptions {
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
   bool is_strict = false;
+  uint64_t memory_bytes = 0;
 };
 
 /// The settings a plain `regulus render` of the scene would use.
@@ -99,7 +102,7 @@ Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::R
       {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
       {"instances", bytes(scene.instances) + bytes(scene.instance_blocks)},
       {"materials", bytes(scene.materials)},
-      {"textures", bytes(scene.textures) + bytes(scene.texels)},
+      {"textures", render::texture_bytes(scene)},
       {"lights", bytes(scene.lights) + bytes(scene.light_aliases) + bytes(scene.light_tree.pairs) +
                      bytes(scene.light_tree.trails)},
       {"environment",
@@ -155,7 +158,8 @@ Json inspect(const InspectOptions& options) {
   scene::Scene scene = scene::load(options.scene_file, {.scene = options.scene_index,
                                                         .allow_external = options.allow_external,
                                                         .is_strict = options.is_strict,
-                                                        .variant = options.variant});
+                                                        .variant = options.variant,
+                                                        .memory_bytes = options.memory_bytes});
   render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
@@ -191,6 +195,14 @@ Json inspect(const InspectOptions& options) {
             {"rule", settings.merge_radius_rule},
             {"used", (settings.techniques & TECHNIQUE_MERGE) != 0}}},
           {"warnings", scene.warnings}};
+}
+
+// The same with strings that a terminal may be shown.
+Json printable(Json value) {
+  if (value.is_string()) return regulus::printable(value.get<std::string>());
+  for (Json& member : value)
+    if (member.is_structured() || member.is_string()) member = printable(std::move(member));
+  return value;
 }
 
 // Names of a JSON array of strings, "none" if it is empty.
@@ -262,6 +274,7 @@ void add_inspect_command(CLI::App& app) {
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");
   command->add_flag("--strict", options->is_strict, STRICT_HELP);
+  add_memory_option(*command, options->memory_bytes);
   command->callback([options] {
     const Json scene = inspect(*options);
     OutputGuard guard;
@@ -270,7 +283,7 @@ void add_inspect_command(CLI::App& app) {
     if (!options->json.empty())
       image::write_file_atomically(options->json,
                                    scene.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-    print(scene);
+    print(printable(scene));
   });
 }
 

@@ -211,7 +211,9 @@ void render_scene(CLI::App& command, RenderOptions& options) {
 
   if (options.backend == "reference") return render_by_reference(options, outputs, scene, bvh, settings);
 
-  gpu::Device device({.select = options.device, .software_stage_times = !outputs.stats.empty()});
+  gpu::Device device({.select = options.device,
+                      .software_stage_times = !outputs.stats.empty(),
+                      .memory_bytes = options.memory_bytes});
   if (device.info().kind == gpu::DeviceKind::Software)
     spdlog::info("device {}: software, rendering on the CPU", device.info().name);
   else

@@ -12,6 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/near_names.hpp"
+#include "base/printable.hpp"
 #include "cli/strategy_images.hpp"
 #include "cli/validators.hpp"
 #include "render/aov.hpp"
@@ -65,11 +66,9 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
 
 // Options that say where things go or come from: not a scene's business.
 const std::set<std::string> COMMAND_LINE_ONLY = {
-    "output",    "png",     "stats",          "strategy-images",
-    "device",    "scene",   "allow-external", "strict",
-    "quiet",     "verbose", "help",           "wave",
-    "backend",   "env",     "variant",        "env-rotation",
-    "env-scale", "samples", "checkpoint",     "checkpoint-seconds",
+    "output", "png",     "stats",        "strategy-images", "device",  "scene",      "allow-external",
+    "strict", "memory",  "quiet",        "verbose",         "help",    "wave",       "backend",
+    "env",    "variant", "env-rotation", "env-scale",       "samples", "checkpoint", "checkpoint-seconds",
     "resume"};
 
 std::vector<std::string> scene_setting_names(const CLI::App& command) {
@@ -200,6 +199,16 @@ render::Window parse_window(const char* option, const std::string& text, const g
                             "pixels from the top left, x1 and y1 excluded",
                             option, text, size.x, size.y));
   return {edges[0], edges[1], edges[2] - edges[0], edges[3] - edges[1]};
+}
+
+void add_memory_option(CLI::App& command, uint64_t& bytes) {
+  command
+      .add_option(
+          "--memory", bytes,
+          "Most that a scene may take of the host's memory, and of the device's: bytes, or as in 4G or 512M "
+          "(default: three quarters of the machine's; of the device what is free)")
+      ->transform(CLI::AsSizeValue(false))
+      ->check(CLI::PositiveNumber);
 }
 
 void declare_render_options(CLI::App& command, RenderOptions& options) {
@@ -375,6 +384,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_flag("--allow-external", options.allow_external,
                    "Let the scene refer to files outside its folder");
   command.add_flag("--strict", options.is_strict, STRICT_HELP);
+  add_memory_option(command, options.memory_bytes);
   command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
   command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
 }
@@ -384,15 +394,17 @@ scene::LoadOptions load_options(const RenderOptions& options) {
           .allow_external = options.allow_external,
           .is_strict = options.is_strict,
           .environment = {options.environment, options.environment_rotation, options.environment_scale},
-          .variant = options.variant};
+          .variant = options.variant,
+          .memory_bytes = options.memory_bytes};
 }
 
 void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
   for (const auto& [name, value] : scene.settings) {
     CLI::Option* option = command.get_option_no_throw("--" + name);
     if (option == nullptr || COMMAND_LINE_ONLY.contains(name)) {
-      scene.warnings.push_back(fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored{}",
-                                           name, suggest(name, scene_setting_names(command))));
+      scene.warnings.push_back(
+          printable(fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored{}", name,
+                                suggest(name, scene_setting_names(command)))));
     } else if (option->count() == 0) {
       try {
         option->add_result(value);

@@ -50,12 +50,16 @@ struct RenderOptions {
   bool has_no_sample_limit = false;  ///< render until the time or the noise is reached
   bool allow_external = false;
   bool is_strict = false;
+  uint64_t memory_bytes = 0;  ///< host and device each; 0: the default
   bool is_quiet = false, is_verbose = false;
   render::RenderSettings settings;
 };
 
 /// What the options say of loading the scene.
 scene::LoadOptions load_options(const RenderOptions& options);
+
+/// Declares --memory, which is written to `bytes`.
+void add_memory_option(CLI::App& command, uint64_t& bytes);
 
 /// Declares the options on the subcommand. `options` must outlive the parse.
 void declare_render_options(CLI::App& command, RenderOptions& options);

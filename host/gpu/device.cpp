@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 
 #include "base/error.hpp"
 #include "gpu/faults.hpp"
@@ -68,6 +69,7 @@ DeviceState::DeviceState(const DeviceOptions& options)
   has_memory_budget = has_extension(chosen.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
   const bool is_wanted = options.software_stage_times || info().kind != DeviceKind::Software;
   measures_time = is_wanted && info().timestamp_ns > 0;
+  memory_bytes = options.memory_bytes != 0 ? options.memory_bytes : std::numeric_limits<uint64_t>::max();
   memory = chosen.physical.getMemoryProperties();
   device = open(chosen, has_memory_budget);
   queue = vk::raii::Queue(device, chosen.queue_family, 0);

@@ -15,8 +15,19 @@ struct Faults {
   /// Once this many downloads have ended, waiting finds the device lost. Unset: never.
   std::optional<uint32_t> downloads_before_loss;
 
+  /// Once this many more allocations or submissions were made, the next ones fail as above. Unset: never.
+  std::optional<uint32_t> allocations_before_failure, submissions_before_loss;
+
   /// True if the next wait is to find the device lost.
   bool loses_device_at_wait() const { return lost_at_wait || downloads_before_loss == 0u; }
+
+  /// Counts an event down. @return whether it is to fail
+  static bool is_due(std::optional<uint32_t>& events_before) {
+    if (!events_before) return false;
+    if (*events_before == 0) return true;
+    --*events_before;
+    return false;
+  }
 };
 
 /// The faults of this process.

@@ -126,6 +126,7 @@ struct DeviceOptions {
   /// Measure the time of every dispatch on software devices too, where it costs lavapipe about 20 us a
   /// dispatch. Without, their times are 0; other devices are always timed, which costs them nearly nothing.
   bool software_stage_times = true;
+  uint64_t memory_bytes = 0;  ///< most that is ever allocated; 0: what the device has
 };
 
 /// An opened device with one compute queue. Not thread-safe.

@@ -68,8 +68,10 @@ Allocation DeviceState::allocate(uint64_t bytes, vk::BufferUsageFlags usage, boo
                 fmt::format("buffer {} needs {:.1f} MiB, device {} allocates at most {:.1f} MiB at once; "
                             "render a smaller image or scene",
                             name, mebibytes(bytes), info().name, mebibytes(info().max_allocation_bytes)));
+  if (bytes > memory_bytes - std::min(memory_bytes, allocated_bytes)) throw_out_of_memory(bytes, name);
   try {
-    if (faults().out_of_memory) throw vk::OutOfDeviceMemoryError("fault asked for by a test");
+    if (faults().out_of_memory || Faults::is_due(faults().allocations_before_failure))
+      throw vk::OutOfDeviceMemoryError("fault asked for by a test");
     Allocation allocation;
     allocation.buffer = vk::raii::Buffer(device, vk::BufferCreateInfo({}, whole_words(bytes), usage));
     const vk::MemoryRequirements needs = allocation.buffer.getMemoryRequirements();
@@ -105,7 +107,8 @@ uint64_t DeviceState::device_heap_free() const {
 }
 
 uint64_t DeviceState::free_bytes() const {
-  const uint64_t heap_free = device_heap_free();
+  const uint64_t heap_free =
+      std::min(device_heap_free(), memory_bytes - std::min(memory_bytes, allocated_bytes));
   // A software device shares the machine's memory with everything else that runs.
   if (info().kind == DeviceKind::Software) return std::min(heap_free, host_free_bytes() / 2);
   return heap_free;

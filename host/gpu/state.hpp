@@ -49,6 +49,7 @@ struct DeviceState {
   Candidate chosen;
   bool has_memory_budget = false;
   bool measures_time = false;  ///< around every dispatch
+  uint64_t memory_bytes = 0;   ///< most that is ever allocated
   vk::PhysicalDeviceMemoryProperties memory;
   vk::raii::Device device{nullptr};
   vk::raii::Queue queue{nullptr};

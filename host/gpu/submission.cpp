@@ -96,7 +96,8 @@ Submission Device::submit(CommandList&& commands) {
   if (state.is_lost) state.throw_lost(list.stages, -1);
   try {
     list.recording->commands.end();
-    if (faults().lost_at_submit) throw vk::DeviceLostError("submit");
+    if (faults().lost_at_submit || Faults::is_due(faults().submissions_before_loss))
+      throw vk::DeviceLostError("submit");
     state.device.resetFences(*list.recording->fence);
     state.queue.submit(vk::SubmitInfo({}, {}, *list.recording->commands), *list.recording->fence);
   } catch (const vk::DeviceLostError&) {

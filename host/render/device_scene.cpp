@@ -1,7 +1,11 @@
 #include "render/device_scene.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
+#include "base/error.hpp"
+#include "render/device_images.hpp"
 #include "render/energy_tables.hpp"
 
 namespace regulus::render {
@@ -25,11 +29,38 @@ gpu::Buffer energy_tables_of(gpu::Device& device, const scene::Scene& scene, con
   return is_needed ? make_energy_tables(device, scene.materials, settings) : gpu::Buffer();
 }
 
+double mebibytes(uint64_t bytes) {
+  return static_cast<double>(bytes) / (1 << 20);
+}
+
+template <typename T>
+uint64_t bytes_of(const std::vector<T>& values) {
+  return values.size() * sizeof(T);
+}
+
+/// Refuses before anything is allocated; hands the tree on.
+const bvh::Bvh& require_memory(const gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh) {
+  const uint64_t textures = texture_bytes(scene);
+  uint64_t bytes = textures + bytes_of(bvh.nodes) + bytes_of(bvh.triangles) + bytes_of(scene.vertices) +
+                   bytes_of(scene.vertex_colors) + bytes_of(scene.vertex_uvs) +
+                   bytes_of(scene.vertex_tangents) + bytes_of(scene.triangles) + bytes_of(scene.instances) +
+                   bytes_of(scene.materials) + bytes_of(scene.lights);
+  if (scene.environment) bytes += bytes_of(scene.environment->texels) + bytes_of(scene.environment->cdf);
+  if (bytes > device.free_bytes())
+    throw Error(ExitStatus::Failed,
+                fmt::format("{}: the scene needs {:.1f} MiB of device memory, {:.1f} MiB of them for "
+                            "textures, and {:.1f} MiB "
+                            "are free or allowed by --memory; make its textures smaller or reduce it",
+                            scene.path.string(), mebibytes(bytes), mebibytes(textures),
+                            mebibytes(device.free_bytes())));
+  return bvh;
+}
+
 }  // namespace
 
 DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                          const RenderSettings& settings)
-    : bvh_nodes_(gpu::upload_new(device, bvh.nodes, "bvh nodes")),
+    : bvh_nodes_(gpu::upload_new(device, require_memory(device, scene, bvh).nodes, "bvh nodes")),
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
       vertex_colors_(gpu::upload_new(device, scene.vertex_colors, "vertex colours")),
@@ -39,8 +70,6 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       instances_(gpu::upload_new(device, scene.instances, "instances")),
       instance_blocks_(gpu::upload_new(device, scene.instance_blocks, "instance blocks")),
       materials_(gpu::upload_new(device, scene.materials, "materials")),
-      textures_(gpu::upload_new(device, scene.textures, "textures")),
-      texels_(gpu::upload_new(device, scene.texels, "texels")),
       lights_(gpu::upload_new(device, scene.lights, "lights")),
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
       light_pairs_(gpu::upload_new(device, light_tree_of(scene, settings).pairs, "light pairs")),
@@ -61,7 +90,11 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
-      radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {}
+      radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {
+  std::vector<interface::Texture> textures = scene.textures;
+  images_ = upload_images(device, scene.images, device.info().max_allocation_bytes, textures);
+  textures_ = gpu::upload_new(device, textures, "textures");
+}
 
 void DeviceScene::fill(interface::Frame& frame) const {
   const auto address = [](const gpu::Buffer& buffer) { return interface::device_address(buffer.address()); };
@@ -78,7 +111,6 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.instance_block_shift = instance_block_shift_;
   frame.materials = address(materials_);
   frame.textures = address(textures_);
-  frame.texels = address(texels_);
   frame.lights = address(lights_);
   frame.light_aliases = address(light_aliases_);
   frame.light_tree = light_tree_;

@@ -13,6 +13,7 @@ namespace regulus::render {
 class DeviceScene {
  public:
   /// `settings` (resolved) say whether lights are chosen by the tree and energy is compensated.
+  /// @throws Error (Failed) with both numbers if the device has not the memory.
   DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
               const RenderSettings& settings);
 
@@ -24,8 +25,10 @@ class DeviceScene {
 
  private:
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_uvs_, vertex_tangents_,
-      triangles_, instances_, instance_blocks_, materials_, textures_, texels_, lights_, light_aliases_,
-      light_pairs_, light_trails_, environment_texels_, environment_cdf_, energy_tables_;
+      triangles_, instances_, instance_blocks_, materials_;
+  std::vector<gpu::Buffer> images_;
+  gpu::Buffer textures_, lights_, light_aliases_, light_pairs_, light_trails_, environment_texels_,
+      environment_cdf_, energy_tables_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
   bool has_environment_;

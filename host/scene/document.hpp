@@ -41,8 +41,11 @@ struct Document {
   /// The names in extensionsUsed.
   std::vector<std::string> extensions_used() const;
 
-  /// Adds a warning unless the same was given before. After MAX_WARNINGS they are only counted: a hostile
-  /// file may have any number of faults, and nobody reads more lines than that.
+  /// See Files::hold.
+  void hold(uint64_t bytes, const std::string& element) { files.hold(bytes, element); }
+
+  /// Adds a warning, made printable, unless the same was given before. After MAX_WARNINGS they are only
+  /// counted: a hostile file may have any number of faults, and nobody reads more lines than that.
   void warn(const std::string& message);
 
   /// A fault of the file that need not cost the whole scene. `fault` names the element, what is wrong and
@@ -76,7 +79,8 @@ inline constexpr size_t MAX_WARNINGS = 100;
 /// Opens a .gltf or .glb file and everything its buffers refer to.
 /// @param is_strict see Document
 /// @throws Error(BadFile)
-Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict);
+Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict,
+                       uint64_t memory_bytes = default_memory_bytes());
 
 /// Converts to float. @throws Error naming `element` if the value is not finite as a float.
 float finite_float(const Document& document, double value, const std::string& element);

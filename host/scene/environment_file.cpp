@@ -13,7 +13,9 @@ namespace {
 using nlohmann::json;
 
 constexpr const char* ELEMENT = "extras.regulus.environment";
-constexpr uint64_t MAX_TEXELS = uint64_t{1} << 26;  // 1 GiB with their distribution
+constexpr uint64_t MAX_TEXELS = uint64_t{1} << 26;
+// As decoded, as radiance, and their distribution, with what making it takes.
+constexpr uint64_t BYTES_OF_TEXEL = 12 + 12 + 12;
 // Radiance beyond this is cut: 500 times the sun's disc, and far from overflowing when a path's throughput
 // multiplies it.
 constexpr double MAX_RADIANCE = 1e10;
@@ -68,8 +70,10 @@ std::vector<glm::vec3> radiances_of(Document& document, const image::Image& imag
 
 Environment read_map(Document& document, const Bytes& bytes, const std::string& name, double rotation,
                      double scale) {
-  const image::Image image = image::is_radiance(bytes) ? image::decode_radiance(name, bytes, MAX_TEXELS)
-                                                       : image::decode_exr(name, bytes, MAX_TEXELS);
+  const uint64_t max_texels = std::min(MAX_TEXELS, document.files.free_bytes() / BYTES_OF_TEXEL);
+  const image::Image image = image::is_radiance(bytes) ? image::decode_radiance(name, bytes, max_texels)
+                                                       : image::decode_exr(name, bytes, max_texels);
+  document.hold(uint64_t{image.width} * image.height * BYTES_OF_TEXEL, name);
   Environment environment =
       map_environment(radiances_of(document, image, scale, name), image.width, rotation / 360);
   if (!(environment.integral > 0)) document.warn(name + ": the environment is black");

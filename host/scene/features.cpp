@@ -1,12 +1,12 @@
 // find_features: what kernels may leave out for this scene.
 #include <algorithm>
 #include <array>
-#include <glm/gtc/packing.hpp>
 #include <utility>
 #include <vector>
 
 #include "interface/wavefront.h"
 #include "scene/scene.hpp"
+#include "scene/texture.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -19,15 +19,7 @@ constexpr float FLAT_COSINE = 1.0f - 1e-6f;
 
 /// Least and greatest value of green (a roughness) of a texture.
 std::pair<float, float> roughness_range(const Scene& scene, const interface::Texture& texture) {
-  uint16_t low = 0xFFFF, high = 0;
-  const size_t count = static_cast<size_t>(texture.width) * texture.height;
-  for (size_t i = 0; i < count; ++i) {
-    // Non-negative halfs are ordered like their bits.
-    const uint16_t green = static_cast<uint16_t>(scene.texels[2 * (texture.first_texel + i)] >> 16);
-    low = std::min(low, green);
-    high = std::max(high, green);
-  }
-  return {glm::unpackHalf1x16(low), glm::unpackHalf1x16(high)};
+  return channel_range(scene, texture, 1);
 }
 
 uint32_t specular_features(const Scene& scene, const interface::Material& material) {
@@ -136,6 +128,7 @@ std::span<const FeatureDescription> feature_descriptions() {
                          "coordinates that differ between textures"},
       FeatureDescription{FEATURE_SECOND_UVS, "second_uvs", "a second set of texture coordinates"},
       FeatureDescription{FEATURE_SPECULAR_TEXTURES, "specular_textures", "textures of specular reflection"},
+      FeatureDescription{FEATURE_WIDE_TEXELS, "wide_texels", "texels of 16 bits a channel"},
       FeatureDescription{FEATURE_TRIANGLE_LIGHTS, "triangle_lights",
                          "emission at hits and its weight, sampling of emissive triangles"},
       FeatureDescription{FEATURE_POINT_LIGHTS, "point_lights", "sampling of point and spot lights"},
@@ -177,6 +170,8 @@ Features find_features(const Scene& scene) {
     if ((texture.flags & interface::TEXTURE_MAPPED) != 0)
       features.bits |= interface::FEATURE_TEXTURE_MAPPINGS;
     if ((texture.flags & interface::TEXTURE_SECOND_UVS) != 0) features.bits |= interface::FEATURE_SECOND_UVS;
+    if ((texture.flags & (interface::TEXTURE_UNORM16 | interface::TEXTURE_HALF)) != 0)
+      features.bits |= interface::FEATURE_WIDE_TEXELS;
   }
   for (size_t i = 0; i < scene.materials.size(); ++i) {
     if (!is_used[i]) continue;

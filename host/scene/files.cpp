@@ -88,15 +88,29 @@ std::string percent_decode(const std::string& text) {
   return decoded;
 }
 
-Files::Files(fs::path scene_file, bool allow_external)
-    : scene_file_(std::move(scene_file)), allow_external_(allow_external) {}
+Files::Files(fs::path scene_file, bool allow_external, uint64_t memory_bytes)
+    : scene_file_(std::move(scene_file)), allow_external_(allow_external), memory_bytes_(memory_bytes) {}
+
+void Files::hold(uint64_t bytes, const std::string& element) {
+  if (bytes > free_bytes()) {
+    const auto mebibytes = [](uint64_t value) { return static_cast<double>(value) / (1 << 20); };
+    throw OutOfMemory(fmt::format(
+        "{} needs {:.1f} MiB, with the rest of the scene {:.1f} MiB, but --memory allows {:.1f} MiB; reduce "
+        "the scene or "
+        "allow more",
+        element, mebibytes(bytes), mebibytes(held_bytes_) + mebibytes(bytes), mebibytes(memory_bytes_)));
+  }
+  held_bytes_ += bytes;
+}
 
 Bytes Files::read_scene() {
   return read_file(scene_file_, "");
 }
 
 Files::Content Files::read_uri(const std::string& uri, const std::string& element) {
-  if (uri.rfind("data:", 0) == 0) return {decode_data_uri(uri, scene_file_, element), {}};
+  const bool is_data = uri.rfind("data:", 0) == 0;
+  if (is_data) hold(uri.size(), element);
+  if (is_data) return {decode_data_uri(uri, scene_file_, element), {}};
   const std::string scheme = uri_scheme(uri);
   if (!scheme.empty())
     fail(scene_file_,
@@ -147,6 +161,7 @@ Bytes Files::read_file(const fs::path& path, const std::string& element) {
   if (!stream) refuse("cannot be opened; check its permissions");
   const uint64_t size = fs::file_size(path, error);
   if (error) refuse("its size cannot be read: " + error.message());
+  hold(size, element.empty() ? "the file" : fmt::format("{}: '{}'", element, path.string()));
   Bytes bytes(size);
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<uint64_t>(stream.gcount()) != size) refuse("reading stopped early; check the disk");

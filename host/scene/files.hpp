@@ -4,10 +4,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/machine_memory.hpp"
 
 namespace regulus::scene {
 
@@ -19,10 +21,27 @@ using Bytes = std::vector<unsigned char>;
 /// What an error says of a file, without the file's name.
 std::string message_of(const Error& error, const std::filesystem::path& file);
 
+/// More memory than a scene may take; load() makes it an Error of the file. No Error itself, for it must not
+/// be mended.
+class OutOfMemory : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 class Files {
  public:
   /// @param allow_external URIs may leave the folder of `scene_file`.
-  Files(std::filesystem::path scene_file, bool allow_external);
+  /// @param memory_bytes what the scene may take in all, see hold().
+  Files(std::filesystem::path scene_file, bool allow_external,
+        uint64_t memory_bytes = default_memory_bytes());
+
+  /// Counts memory before it is taken. @throws OutOfMemory naming `element` and both numbers if that is more
+  /// than the scene may take beside what is held already.
+  void hold(uint64_t bytes, const std::string& element);
+  uint64_t held_bytes() const { return held_bytes_; }
+  /// Takes back what was counted since held_bytes() was `held`: it is no longer there.
+  void release_to(uint64_t held) { held_bytes_ = held; }
+  /// What is left of the memory that the scene may take.
+  uint64_t free_bytes() const { return memory_bytes_ - held_bytes_; }
 
   /// The scene file itself. @throws Error if it cannot be read.
   Bytes read_scene();
@@ -56,6 +75,7 @@ class Files {
 
   std::filesystem::path scene_file_;
   bool allow_external_;
+  uint64_t memory_bytes_, held_bytes_ = 0;
   uint64_t hash_ = 0xcbf29ce484222325u;
 };
 

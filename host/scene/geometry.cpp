@@ -1,7 +1,6 @@
 #include "scene/geometry.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
@@ -57,33 +56,22 @@ void warn_of_skipped(Document& document, const std::vector<PlacedNode>& places) 
         fmt::format("{} primitives are points, lines or without positions and are skipped", skipped));
 }
 
-uint64_t memory_of_machine() {
-  return static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
-}
-
-bool fits_memory(const Size& size) {
+bool fits_memory(const Document& document, const Size& size) {
   return size.triangles < (uint64_t{1} << 31) && size.vertices < INVALID_INDEX &&
-         size.bytes() <= memory_of_machine() / 2;
+         size.bytes_to_prepare() <= document.files.free_bytes();
 }
 
 /// Counts before anything is allocated.
-void require_memory(const Document& document, const std::vector<PrimitiveToStore>& instances, Scene& scene) {
+void require_memory(Document& document, const std::vector<PrimitiveToStore>& instances, Scene& scene) {
   Size size;
-  size.triangles = scene.triangles.size();
-  size.vertices = scene.vertices.size();
   size.has_colors = !scene.vertex_colors.empty();
-  for (const PrimitiveToStore& instance : instances) {
-    add_size(document, instance, size);
-    if (size.triangles >= (uint64_t{1} << 31) || size.vertices >= INVALID_INDEX)
-      document.fail(
-          fmt::format("more than 2^31 triangles or 2^32 vertices after instancing; reduce the scene"));
-  }
-  if (!fits_memory(size))
-    document.fail(
-        fmt::format("{} triangles need {} MiB, more than half of this machine's {} MiB; reduce the scene",
-                    size.triangles, size.bytes() >> 20, memory_of_machine() >> 20));
-  scene.triangles.reserve(size.triangles);
-  scene.vertices.reserve(size.vertices);
+  for (const PrimitiveToStore& instance : instances) add_size(document, instance, size);
+  document.hold(size.bytes_to_prepare(), fmt::format("geometry of {} triangles", size.triangles));
+  if (scene.triangles.size() + size.triangles >= (uint64_t{1} << 31) ||
+      scene.vertices.size() + size.vertices >= INVALID_INDEX)
+    document.fail("more than 2^31 triangles or 2^32 vertices after instancing; reduce the scene");
+  scene.triangles.reserve(scene.triangles.size() + size.triangles);
+  scene.vertices.reserve(scene.vertices.size() + size.vertices);
 }
 
 /// How a mesh is stored if its copies share it.
@@ -131,7 +119,7 @@ std::vector<bool> choose_shared_meshes(const Document& document, const std::vect
     Size size;
     const std::vector<PrimitiveToStore> primitives = sharable_primitives(document, mesh, forms[mesh]);
     for (const PrimitiveToStore& primitive : primitives) add_size(document, primitive, size);
-    if (size.triangles == 0 || !fits_memory(size)) continue;
+    if (size.triangles == 0 || !fits_memory(document, size)) continue;
     const uint64_t saved = (copies[mesh] - 1) * (size.bytes() + size.triangles * BYTES_IN_TREE);
     const uint64_t cost = copies[mesh] * BYTES_OF_COPY;
     if (sharing_gain > 0 && saved < cost + std::min(LEAST_GAIN, sharing_gain)) continue;
@@ -178,6 +166,8 @@ class GeometryBuilder {
 
   /// Places copies, and stores in world space what is none.
   void store_places(const std::vector<PlacedNode>& places) {
+    document_.hold(2 * count_primitives(places) * sizeof(PrimitiveToStore),
+                   "the list of primitives in place");
     std::vector<PrimitiveToStore> rest;
     for (uint32_t place = 0; place < places.size(); ++place) {
       const size_t mesh = mesh_index(document_, places[place]);
@@ -219,6 +209,13 @@ class GeometryBuilder {
     }
   }
 
+  uint64_t count_primitives(const std::vector<PlacedNode>& places) const {
+    uint64_t count = 0;
+    for (const PlacedNode& placed : places)
+      count += document_.model.meshes[mesh_index(document_, placed)].primitives.size();
+    return count;
+  }
+
   bool place_copy(size_t mesh, const glm::dmat4& to_world, uint32_t place) {
     const Stored& stored = stored_[mesh];
     if (stored.mesh.triangle_count == 0) return false;
@@ -247,6 +244,22 @@ void drop_unreadable(Document& document, const std::vector<PlacedNode>& places) 
     for (size_t i = 0; i < primitives.size(); ++i)
       if (is_drawn(primitives[i])) drop_unreadable(document, mesh, i);
   }
+}
+
+void require_vertices(Document& document, const std::vector<PlacedNode>& places) {
+  std::vector<bool> is_seen(document.model.meshes.size(), false);
+  uint64_t vertices = 0;
+  for (const PlacedNode& placed : places) {
+    const size_t mesh = mesh_index(document, placed);
+    if (is_seen[mesh]) continue;
+    is_seen[mesh] = true;
+    for (const tinygltf::Primitive& primitive : document.model.meshes[mesh].primitives)
+      if (is_drawn(primitive))
+        vertices += document.model.accessors[static_cast<size_t>(primitive.attributes.at("POSITION"))].count;
+  }
+  const uint64_t held = document.files.held_bytes();
+  document.hold(vertices * sizeof(interface::Vertex), fmt::format("{} vertices", vertices));
+  document.files.release_to(held);
 }
 
 void add_geometry(Document& document, const std::vector<PlacedNode>& places, const std::vector<Box>& boxes,

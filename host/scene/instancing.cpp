@@ -7,13 +7,14 @@
 #include <glm/gtc/quaternion.hpp>
 #include <optional>
 
+#include "interface/types.h"
 #include "scene/accessor.hpp"
 
 namespace regulus::scene {
 namespace {
 
-// Every place has triangles of its own; long before this many a scene is out of memory.
-constexpr size_t MAX_PLACES = size_t{1} << 24;
+// What a place takes beside its triangles, as such and as a copy with its box in the tree.
+constexpr uint64_t BYTES_OF_PLACE = sizeof(PlacedNode) + 350;
 
 /// The attributes of EXT_mesh_gpu_instancing of one node: translation, rotation, scale per instance, each
 /// optional.
@@ -76,10 +77,27 @@ class InstanceReader {
   std::optional<uint64_t> count_;
 };
 
+uint64_t count_places(Document& document, const std::vector<PlacedNode>& nodes) {
+  uint64_t places = 0;
+  for (const PlacedNode& placed : nodes) {
+    const tinygltf::Node& node = document.model.nodes[placed.node];
+    if (node.mesh < 0 || !placed.is_visible) continue;
+    const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
+    places += extension == node.extensions.end() || node.skin >= 0
+                  ? 1
+                  : InstanceReader(document, placed.node, extension->second).count();
+  }
+  return places;
+}
+
 }  // namespace
 
 std::vector<PlacedNode> place_meshes(Document& document, const std::vector<PlacedNode>& nodes) {
   std::vector<PlacedNode> places;
+  const uint64_t count = count_places(document, nodes);
+  document.hold(count * BYTES_OF_PLACE, fmt::format("placing meshes {} times", count));
+  if (count >= interface::INVALID_INDEX) document.fail("more than 2^32 meshes in place; reduce the scene");
+  places.reserve(count);
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = document.model.nodes[placed.node];
     if (node.mesh < 0 || !placed.is_visible) continue;
@@ -89,8 +107,6 @@ std::vector<PlacedNode> place_meshes(Document& document, const std::vector<Place
       places.push_back(placed);
     } else {
       InstanceReader instances(document, placed.node, extension->second);
-      if (instances.count() > MAX_PLACES - places.size())
-        document.fail(fmt::format("more than {} instances in all; reduce the scene", MAX_PLACES));
       for (uint64_t i = 0; i < instances.count(); ++i)
         places.push_back({placed.node, placed.to_world * instances.at(i)});
     }

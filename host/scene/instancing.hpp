@@ -10,7 +10,7 @@ namespace regulus::scene {
 
 /// The visible nodes that have a mesh, once for every place where it stands: skinned meshes once, where their
 /// joints are. Rotations by a quaternion of length 0 are mended.
-/// @throws Error on broken instance attributes and on more than 2^24 places in all.
+/// @throws Error on broken instance attributes and on more places than memory allows.
 std::vector<PlacedNode> place_meshes(Document& document, const std::vector<PlacedNode>& nodes);
 
 }  // namespace regulus::scene

@@ -152,14 +152,18 @@ std::string cause_of_emptiness(const Document& document, const std::optional<siz
   if (visible == 0)
     return fmt::format("all {} nodes with a mesh are invisible (KHR_node_visibility); show one", placed);
   if (extent > 0)
-    return fmt::format("no triangle has an area that single precision can compute with, in a scene {:.3g} units wide; scale it up",
-                       extent);
+    return fmt::format(
+        "no triangle has an area that single precision can compute with, in a scene {:.3g} units wide; scale "
+        "it up",
+        extent);
   return fmt::format(
       "{} meshes are placed, but they have no triangle with an area; choose another scene or file", placed);
 }
 
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
-  Document document = open_document(path, options.allow_external, options.is_strict);
+  Document document =
+      open_document(path, options.allow_external, options.is_strict,
+                    options.memory_bytes != 0 ? options.memory_bytes : default_memory_bytes());
   const std::optional<size_t> scene_index = choose_scene(document, options.scene);
   std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
   const std::string variant = asked_variant(document, scene_index, options);
@@ -169,6 +173,7 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   scene.path = path;
   std::vector<PlacedNode> places = place_meshes(document, nodes);
   drop_unreadable(document, places);
+  require_vertices(document, places);
   pose_meshes(document, nodes, places);
   const PlacedBoxes boxes(document, places);
   const double extent = boxes.all().extent();
@@ -202,6 +207,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
 Scene load(const std::filesystem::path& path, const LoadOptions& options) {
   try {
     return load_unguarded(path, options);
+  } catch (const OutOfMemory& error) {
+    fail(path, error.what());
   } catch (const std::bad_alloc&) {
     fail(path, "not enough memory to load it; reduce the scene");
   }

@@ -295,15 +295,6 @@ class TextureSlots {
   MaterialUvs uvs_;
 };
 
-/// Least alpha of a texture's texels.
-float least_alpha(const Scene& scene, const interface::Texture& texture) {
-  float least = 1;
-  const size_t count = static_cast<size_t>(texture.width) * texture.height;
-  for (size_t i = 0; i < count; ++i)
-    least = std::min(least, glm::unpackHalf2x16(scene.texels[2 * (texture.first_texel + i) + 1]).y);
-  return least;
-}
-
 /// Materials that are whole everywhere lose their flags: many exporters write BLEND for everything.
 void drop_needless_alpha(Scene& scene) {
   float least_of_vertices = 1;
@@ -312,7 +303,7 @@ void drop_needless_alpha(Scene& scene) {
     if ((material.flags & ALPHA_FLAGS) == 0) continue;
     const float of_texture = material.alpha_texture == INVALID_INDEX
                                  ? 1
-                                 : least_alpha(scene, scene.textures[material.alpha_texture]);
+                                 : channel_range(scene, scene.textures[material.alpha_texture], 3).first;
     if (of_texture == 1) material.alpha_texture = INVALID_INDEX;
     const float least = material.alpha * of_texture * least_of_vertices;
     const bool is_mask = (material.flags & interface::MATERIAL_ALPHA_MASK) != 0;

@@ -78,8 +78,9 @@ void check_layout(const Document& document, const CompressedView& view) {
     require(view.filter == "EXPONENTIAL", "unknown filter");
 }
 
-Bytes decode(const Document& document, const CompressedView& view) {
+Bytes decode(Document& document, const CompressedView& view) {
   check_layout(document, view);
+  document.hold(view.stride * view.count, view.element);
   Bytes bytes(view.stride * view.count);
   const auto* source = view.source.data();
   int status = 0;

@@ -420,6 +420,12 @@ void add_size(const Document& document, const PrimitiveToStore& instance, Size& 
   size.triangles += triangles;
   size.vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * triangles;
   size.has_colors = size.has_colors || attributes.count("COLOR_0") != 0;
+  size.has_second_uvs = size.has_second_uvs || attributes.count("TEXCOORD_1") != 0;
+  const int material = primitive_of(document, instance).material;
+  if (material < 0) return;
+  const tinygltf::Material& source = document.model.materials[static_cast<size_t>(material)];
+  size.has_tangents = size.has_tangents || needs_tangents(source);
+  size.lights += may_emit(source) ? triangles : 0;
 }
 
 Box primitive_box(const Document& document, const PrimitiveToStore& primitive) {

@@ -70,8 +70,8 @@ struct Scene {
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;
   std::vector<interface::Texture> textures;
-  std::vector<uint32_t> texels;          ///< two words per texel, see interface::Texture
-  std::vector<interface::Light> lights;  ///< punctual after loading; all lights after build_lights
+  std::vector<std::vector<uint32_t>> images;  ///< words of texels, see interface::Texture
+  std::vector<interface::Light> lights;       ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
   LightTree light_tree;  ///< empty with fewer than two lights
   std::optional<Environment> environment;
@@ -104,6 +104,7 @@ struct LoadOptions {
   uint64_t sharing_gain = SHARING_GAIN;  ///< bytes; 0: whatever is placed twice is shared
   /// Material variant by name; empty: what scenes[].extras.regulus says, else the file's own materials.
   std::string variant{};
+  uint64_t memory_bytes = 0;  ///< what the scene may take on the host; 0: default_memory_bytes()
 };
 
 /// Reads a .gltf or .glb file.

@@ -394,7 +394,8 @@ bool is_known_extension(std::string_view name) {
   return std::find(KNOWN_EXTENSIONS.begin(), KNOWN_EXTENSIONS.end(), name) != KNOWN_EXTENSIONS.end();
 }
 
-void check_nesting(std::string_view text, const std::filesystem::path& file) {
+JsonSize measure_json(std::string_view text, const std::filesystem::path& file) {
+  JsonSize size;
   int depth = 0;
   bool in_string = false;
   for (size_t i = 0; i < text.size(); ++i) {
@@ -406,7 +407,11 @@ void check_nesting(std::string_view text, const std::filesystem::path& file) {
         in_string = false;
     } else if (c == '"') {
       in_string = true;
+    } else if (c == ',') {
+      ++size.values;
     } else if (c == '{' || c == '[') {
+      ++size.values;
+      size.objects += c == '{' ? 1 : 0;
       if (++depth > MAX_NESTING)
         fail(file, fmt::format("JSON nests deeper than {} levels at byte {}; not a usable glTF file",
                                MAX_NESTING, i));
@@ -414,6 +419,7 @@ void check_nesting(std::string_view text, const std::filesystem::path& file) {
       --depth;
     }
   }
+  return size;
 }
 
 std::vector<BrokenElement> check_and_reduce(nlohmann::json& document, const std::filesystem::path& file) {

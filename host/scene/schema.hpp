@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -12,9 +13,14 @@
 
 namespace regulus::scene {
 
-/// Throws Error(BadFile) if brackets nest deeper than any glTF needs: recursive readers would overflow the
-/// stack.
-void check_nesting(std::string_view text, const std::filesystem::path& file);
+/// What a JSON text holds, at least: its values, and those of them that are objects.
+struct JsonSize {
+  uint64_t values = 0, objects = 0;
+};
+
+/// Counts before anything is parsed. Throws Error(BadFile) if brackets nest deeper than any glTF needs:
+/// recursive readers would overflow the stack.
+JsonSize measure_json(std::string_view text, const std::filesystem::path& file);
 
 /// Removes `extras` and extensions that are not read, then checks the types, index ranges and lengths of all
 /// members that are. Integers written as 1.0 become integers. Elements with a member that is wrong give way

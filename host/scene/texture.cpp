@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/packing.hpp>
+#include <limits>
 #include <vector>
 
+#include "interface/srgb.h"
 #include "scene/image_decoder.hpp"
 
 namespace regulus::scene {
 namespace {
-
-constexpr uint64_t MAX_TEXELS_OF_SCENE = uint64_t{1} << 31;  // the kernels' word index is 32 bits
 
 /// The image of a texture: of EXT_texture_webp, else the plain one; -1 if it has neither.
 int image_of(const tinygltf::Texture& texture) {
@@ -27,42 +27,48 @@ double srgb_to_linear(double encoded) {
   return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
 }
 
-/// Halfs of all code values of one channel.
-std::vector<uint16_t> decoding_table(uint32_t maximum, bool is_srgb) {
-  std::vector<uint16_t> table(maximum + 1);
-  for (uint32_t code = 0; code <= maximum; ++code) {
-    const double value = static_cast<double>(code) / maximum;
-    table[code] = glm::packHalf1x16(static_cast<float>(is_srgb ? srgb_to_linear(value) : value));
-  }
-  return table;
+uint32_t half_bits(double value) {
+  return glm::packHalf1x16(static_cast<float>(value));
 }
 
-/// Appends RGBA codes as texels of a roughness that is 1 - glossiness * alpha.
-template <typename Code>
-void append_roughness(const Code* codes, uint64_t count, double glossiness, std::vector<uint32_t>& texels) {
-  const double maximum = static_cast<Code>(~Code{0});
-  for (uint64_t i = 0; i < count; ++i) {
-    const double roughness = 1 - std::clamp(glossiness, 0.0, 1.0) * codes[4 * i + 3] / maximum;
-    texels.push_back(static_cast<uint32_t>(glm::packHalf1x16(static_cast<float>(roughness))) << 16);
-    texels.push_back(0);
+/// Calls `change` for the words of every texel of 16-bit codes with the codes as fractions.
+template <typename Change>
+void change_wide_texels(std::vector<uint32_t>& words, const Change& change) {
+  for (size_t i = 0; i < words.size(); i += 2) {
+    const glm::dvec4 codes(words[i] & 0xFFFFu, words[i] >> 16, words[i + 1] & 0xFFFFu, words[i + 1] >> 16);
+    const glm::dvec4 value = change(codes / 65535.0);
+    words[i] = half_bits(value.r) | half_bits(value.g) << 16;
+    words[i + 1] = half_bits(value.b) | half_bits(value.a) << 16;
   }
 }
 
-/// Appends RGBA codes as texels. Alpha is always linear.
-template <typename Code>
-void append_texels(const Code* codes, uint64_t count, const TextureContent& content,
-                   std::vector<uint32_t>& texels) {
-  if (content.glossiness) return append_roughness(codes, count, *content.glossiness, texels);
-  const uint32_t maximum = static_cast<Code>(~Code{0});
-  const std::vector<uint16_t> linear = decoding_table(maximum, false);
-  const std::vector<uint16_t> color = decoding_table(maximum, content.is_srgb);
-  const size_t first = texels.size();
-  texels.resize(first + 2 * count);
-  for (uint64_t i = 0; i < count; ++i) {
-    const Code* rgba = codes + 4 * i;
-    texels[first + 2 * i] = color[rgba[0]] | static_cast<uint32_t>(color[rgba[1]]) << 16;
-    texels[first + 2 * i + 1] = color[rgba[2]] | static_cast<uint32_t>(linear[rgba[3]]) << 16;
+/// 8-bit codes as 16-bit ones of the same fractions.
+std::vector<uint32_t> widened(const std::vector<uint32_t>& words) {
+  std::vector<uint32_t> wide;
+  wide.reserve(2 * words.size());
+  for (const uint32_t word : words) {
+    wide.push_back((word & 0xFFu) * 257 | (word >> 8 & 0xFFu) * 257 << 16);
+    wide.push_back((word >> 16 & 0xFFu) * 257 | (word >> 24) * 257 << 16);
   }
+  return wide;
+}
+
+/// Makes codes the texels that kernels read: those of 8 bits are, of a glossiness or of 16-bit colours become
+/// half floats. @return TEXTURE_* flags
+uint32_t make_texels(const TextureContent& content, bool is_16_bit, std::vector<uint32_t>& words) {
+  if (content.glossiness) {
+    if (!is_16_bit) words = widened(words);
+    const double factor = std::clamp(*content.glossiness, 0.0, 1.0);
+    change_wide_texels(words,
+                       [&](const glm::dvec4& rgba) { return glm::dvec4(0, 1 - factor * rgba.a, 0, 0); });
+    return interface::TEXTURE_HALF;
+  }
+  if (!is_16_bit) return content.is_srgb ? interface::TEXTURE_SRGB : 0;
+  if (!content.is_srgb) return interface::TEXTURE_UNORM16;
+  change_wide_texels(words, [](const glm::dvec4& rgba) {
+    return glm::dvec4(srgb_to_linear(rgba.r), srgb_to_linear(rgba.g), srgb_to_linear(rgba.b), rgba.a);
+  });
+  return interface::TEXTURE_HALF;
 }
 
 uint32_t wrap_flag(int gltf_mode) {
@@ -76,6 +82,25 @@ uint32_t sampler_flags(const Document& document, int sampler) {
   const tinygltf::Sampler& source = document.model.samplers[static_cast<size_t>(sampler)];
   return wrap_flag(source.wrapS) | wrap_flag(source.wrapT) << interface::TEXTURE_WRAP_T_SHIFT |
          (source.magFilter == TINYGLTF_TEXTURE_FILTER_NEAREST ? interface::TEXTURE_NEAREST : 0u);
+}
+
+float value_of_code(uint32_t code, bool is_srgb) {
+  const auto number = static_cast<float>(code);
+  return is_srgb ? interface::srgb_code_to_linear(number) : interface::code_to_fraction(number);
+}
+
+/// Texel i of an image with these TEXTURE_* flags.
+glm::vec4 stored_texel(const std::vector<uint32_t>& words, uint32_t flags, size_t i) {
+  if ((flags & interface::TEXTURE_HALF) != 0)
+    return {glm::unpackHalf2x16(words[2 * i]), glm::unpackHalf2x16(words[2 * i + 1])};
+  if ((flags & interface::TEXTURE_UNORM16) != 0) {
+    const uint32_t low = words[2 * i], high = words[2 * i + 1];
+    return glm::vec4(low & 0xFFFFu, low >> 16, high & 0xFFFFu, high >> 16) / 65535.0f;
+  }
+  const bool is_srgb = (flags & interface::TEXTURE_SRGB) != 0;
+  glm::vec4 value;
+  for (int c = 0; c < 4; ++c) value[c] = value_of_code(words[i] >> (8 * c) & 0xFFu, is_srgb && c < 3);
+  return value;
 }
 
 int64_t wrap(int64_t i, int64_t size, uint32_t mode) {
@@ -98,7 +123,7 @@ uint32_t TextureLoader::load(int texture, TextureContent content, const interfac
   const int image = image_of(source);
   if (image < 0) document_.fail(element + " has no PNG, JPEG or WebP image; convert its image");
   interface::Texture loaded = load_image(static_cast<size_t>(image), content, element);
-  loaded.flags = sampler_flags(document_, source.sampler) | placement.flags;
+  loaded.flags |= sampler_flags(document_, source.sampler) | placement.flags;
   loaded.map_u = placement.map_u;
   loaded.map_v = placement.map_v;
   const auto index = static_cast<uint32_t>(scene_.textures.size());
@@ -113,26 +138,35 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
   if (known != decoded_.end()) return known->second;
 
   const std::string element = fmt::format("{} image {}", texture, image);
+  const uint64_t held = document_.files.held_bytes();
   const Bytes bytes = image_bytes(image, element);
   std::string reason;
   const auto header = read_image_header(bytes, reason);
   if (!header) document_.fail(element + " " + reason);
-  const uint64_t first_texel = scene_.texels.size() / 2;
-  if (first_texel + header->pixels() >= MAX_TEXELS_OF_SCENE)
-    document_.fail("more than 2^31 texels in all; scale textures down");
-  const auto codes = decode_image(bytes, *header, reason);
-  if (!codes) document_.fail(fmt::format("{} cannot be decoded ({}); export it again", element, reason));
-  if (header->is_16_bit)
-    append_texels(reinterpret_cast<const uint16_t*>(codes->data()), header->pixels(), content, scene_.texels);
-  else
-    append_texels(reinterpret_cast<const uint8_t*>(codes->data()), header->pixels(), content, scene_.texels);
-
+  const std::string size = fmt::format("{} of {} x {} pixels", element, header->width, header->height);
+  const uint64_t stored = content.glossiness ? 8 * header->pixels() : header->bytes();
+  document_.hold(header->bytes_to_decode() + (stored - header->bytes()), size);
+  auto words = decode_image(bytes, *header, reason);
+  if (!words) document_.fail(fmt::format("{} cannot be decoded ({}); export it again", element, reason));
   interface::Texture loaded {};
-  loaded.first_texel = static_cast<uint32_t>(first_texel);
+  loaded.flags = make_texels(content, header->is_16_bit, *words);
   loaded.width = header->width;
   loaded.height = header->height;
-  decoded_[{image, content}] = loaded;
-  return loaded;
+  loaded.image = add_image(image, loaded.flags, std::move(*words));
+  document_.files.release_to(held);
+  document_.hold(stored, size);
+  return decoded_[{image, content}] = loaded;
+}
+
+uint32_t TextureLoader::add_image(size_t image, uint32_t flags, std::vector<uint32_t> words) {
+  // Codes are the same whatever they stand for.
+  const auto codes = codes_.find(image);
+  const bool has_codes = (flags & (interface::TEXTURE_HALF | interface::TEXTURE_UNORM16)) == 0;
+  if (has_codes && codes != codes_.end()) return codes->second;
+  const auto index = static_cast<uint32_t>(scene_.images.size());
+  scene_.images.push_back(std::move(words));
+  if (has_codes) codes_[image] = index;
+  return index;
 }
 
 Bytes TextureLoader::image_bytes(size_t image, const std::string& element) {
@@ -150,8 +184,29 @@ glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x
   const uint32_t wrap_t = (texture.flags >> interface::TEXTURE_WRAP_T_SHIFT) & 3u;
   const uint64_t column = static_cast<uint64_t>(wrap(x, texture.width, wrap_s));
   const uint64_t row = static_cast<uint64_t>(wrap(y, texture.height, wrap_t));
-  const size_t word = 2 * (texture.first_texel + row * texture.width + column);
-  return {glm::unpackHalf2x16(scene.texels[word]), glm::unpackHalf2x16(scene.texels[word + 1])};
+  return stored_texel(scene.images[texture.image], texture.flags, row * texture.width + column);
+}
+
+std::pair<float, float> channel_range(const Scene& scene, const interface::Texture& texture, int channel) {
+  const std::vector<uint32_t>& words = scene.images[texture.image];
+  if ((texture.flags & (interface::TEXTURE_HALF | interface::TEXTURE_UNORM16)) == 0) {
+    uint32_t least = 255, largest = 0;
+    for (const uint32_t word : words) {
+      const uint32_t code = word >> (8 * channel) & 0xFFu;
+      least = std::min(least, code);
+      largest = std::max(largest, code);
+    }
+    const bool is_srgb = (texture.flags & interface::TEXTURE_SRGB) != 0;
+    return {value_of_code(least, is_srgb && channel < 3), value_of_code(largest, is_srgb && channel < 3)};
+  }
+  std::pair<float, float> range(std::numeric_limits<float>::infinity(),
+                                -std::numeric_limits<float>::infinity());
+  const size_t count = static_cast<size_t>(texture.width) * texture.height;
+  for (size_t i = 0; i < count; ++i) {
+    const float value = stored_texel(words, texture.flags, i)[channel];
+    range = {std::min(range.first, value), std::max(range.second, value)};
+  }
+  return range;
 }
 
 glm::dvec4 texture_coordinates(const Scene& scene, const interface::Triangle& triangle,

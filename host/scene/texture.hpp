@@ -31,7 +31,8 @@ struct TextureContent {
 inline constexpr TextureContent TextureContent::Color{true};
 inline constexpr TextureContent TextureContent::Data{false};
 
-/// Decodes glTF textures into Scene::textures on demand; each image once per content.
+/// Decodes glTF textures into Scene::textures on demand; each image once per content, 8-bit codes stored once
+/// for all.
 class TextureLoader {
  public:
   TextureLoader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
@@ -44,6 +45,8 @@ class TextureLoader {
  private:
   interface::Texture load_image(size_t image, TextureContent content, const std::string& element);
   Bytes image_bytes(size_t image, const std::string& element);
+  /// Index into Scene::images of an image with these TEXTURE_* flags.
+  uint32_t add_image(size_t image, uint32_t flags, std::vector<uint32_t> words);
 
   Document& document_;
   Scene& scene_;
@@ -51,10 +54,14 @@ class TextureLoader {
   using Key = std::tuple<int, TextureContent, uint32_t, std::array<float, 6>>;
   std::map<Key, uint32_t> textures_;
   std::map<std::pair<size_t, TextureContent>, interface::Texture> decoded_;
+  std::map<size_t, uint32_t> codes_;  ///< by image of the file: where its 8-bit codes are
 };
 
 /// Texel (x, y) as linear RGBA; the coordinates are wrapped by the texture's own modes first.
 glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x, int64_t y);
+
+/// Least and largest value of a channel (0 to 3) of a texture, as linear.
+std::pair<float, float> channel_range(const Scene& scene, const interface::Texture& texture, int channel);
 
 /// Both texture coordinates between the vertices of a triangle, .zw the second set (0 if the scene has none).
 /// The weights of its vertices sum to 1.

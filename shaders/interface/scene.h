@@ -109,17 +109,21 @@ REGULUS_CONSTANT TEXTURE_WRAP_T_SHIFT = 2u;
 REGULUS_CONSTANT TEXTURE_NEAREST = 16u;
 REGULUS_CONSTANT TEXTURE_MAPPED = 32u;      // map_u and map_v are not the identity
 REGULUS_CONSTANT TEXTURE_SECOND_UVS = 64u;  // reads the vertices' second coordinates
+REGULUS_CONSTANT TEXTURE_UNORM16 = 128u;    // texels are fractions of 65535
+REGULUS_CONSTANT TEXTURE_HALF = 256u;       // texels are half floats
+REGULUS_CONSTANT TEXTURE_SRGB = 512u;       // RGB are sRGB codes of 8 bits: what holds colours, if it is not 16 bits wide
 
-// An image in the texel buffer: row-major from the top row, one RGBA texel in 2 words of half floats
-// (r | g << 16, b | a << 16), already linear. (Dynamic indexing of image arrays does not exist on stock
-// lavapipe, so textures are plain memory.)
+// An image as plain memory (dynamic indexing of image arrays does not exist on stock lavapipe): row-major from the top
+// row, RGBA texels. Most have one word of 8-bit codes, red lowest (interface/srgb.h); with TEXTURE_UNORM16 or
+// TEXTURE_HALF two words of 16-bit codes or half floats (red, green; blue, alpha; lower half first).
 struct Texture {
-  uint first_texel;
+  DeviceAddress texels;  // filled when the scene goes to a device
+  uint image;            // on the host: index into Scene::images
   uint width, height;
   uint flags;
   vec3 map_u, map_v;  // the image is looked up at (dot(map_u, (u, v, 1)), dot(map_v, (u, v, 1)))
 };
-REGULUS_LAYOUT(Texture, 40);
+REGULUS_LAYOUT(Texture, 48);
 
 // Light kinds.
 REGULUS_CONSTANT LIGHT_TRIANGLE = 0u;

@@ -91,6 +91,7 @@ REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotro
 REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;   // some texture is TEXTURE_MAPPED
 REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;         // some texture reads the vertices' second coordinates
 REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
+REGULUS_CONSTANT FEATURE_WIDE_TEXELS = 1u << 30;        // some texture is TEXTURE_UNORM16 or TEXTURE_HALF
 REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored once for several copies
 REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MATERIAL_COAT_NORMAL; implies CLEARCOAT
 
@@ -279,7 +280,6 @@ struct Frame {
   DeviceAddress instance_blocks;  // with it: the instance of each block of numbers of triangles
   DeviceAddress materials;
   DeviceAddress textures;
-  DeviceAddress texels;
   DeviceAddress lights;
   DeviceAddress light_aliases;
   LightTreeRoot light_tree;      // only with LIGHT_SAMPLING_BVH
@@ -354,7 +354,7 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
 };
-REGULUS_LAYOUT(Frame, 660);
+REGULUS_LAYOUT(Frame, 652);
 
 // Push constants of every stage.
 struct StageArguments {

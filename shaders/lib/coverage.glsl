@@ -16,7 +16,7 @@ float coverage_at(Frame frame, Triangle triangle, vec2 barycentrics) {
     vec4 uv = texture_coordinates(frame, triangle, LOAD(VertexBuffer, frame.vertices, triangle.v0).uv,
                                   LOAD(VertexBuffer, frame.vertices, triangle.v1).uv,
                                   LOAD(VertexBuffer, frame.vertices, triangle.v2).uv, barycentrics);
-    alpha *= sample_texture(frame.textures, frame.texels, material.alpha_texture, uv).a;
+    alpha *= sample_texture(frame.textures, material.alpha_texture, uv).a;
   }
   if ((material.flags & MATERIAL_ALPHA_MASK) != 0u) return alpha >= material.alpha_cutoff ? 1.0 : 0.0;
   return alpha;

@@ -65,7 +65,7 @@ vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
 void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics, inout ShadingPoint point) {
   vec2 direction = point.material.anisotropy_direction;
   if ((spec_features & FEATURE_TEXTURES) != 0u && point.material.anisotropy_texture != INVALID_INDEX) {
-    vec3 texel = sample_texture(frame.textures, frame.texels, point.material.anisotropy_texture, point.surface.uv).xyz;
+    vec3 texel = sample_texture(frame.textures, point.material.anisotropy_texture, point.surface.uv).xyz;
     vec2 turned = 2.0 * texel.xy - 1.0;
     direction = vec2(direction.x * turned.x - direction.y * turned.y, direction.x * turned.y + direction.y * turned.x);
     point.material.anisotropy *= texel.z;
@@ -107,7 +107,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   if ((spec_features & FEATURE_ANISOTROPY) != 0u && point.material.anisotropy > 0.0)
     align_with_anisotropy(frame, triangle, barycentrics, point);
   point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
-  apply_textures(frame.textures, frame.texels, point.surface.uv, point.surface.color, point.material);
+  apply_textures(frame.textures, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
   if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
   if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);

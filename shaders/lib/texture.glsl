@@ -4,6 +4,7 @@
 #ifndef REGULUS_LIB_TEXTURE_GLSL
 #define REGULUS_LIB_TEXTURE_GLSL
 
+#include "interface/srgb.h"
 #include "lib/buffers.glsl"
 #include "lib/specialization.glsl"
 
@@ -15,11 +16,25 @@ int wrap_texel(int index, int size, uint mode) {
   return wrapped < size ? wrapped : period - 1 - wrapped;
 }
 
-vec4 load_texel(DeviceAddress texels, Texture image, ivec2 texel) {
+// Texel of two words.
+vec4 load_wide_texel(Texture image, uint index) {
+  uvec2 words = LOAD(WordPairBuffer, image.texels, index);
+  if ((image.flags & TEXTURE_HALF) != 0u) return vec4(unpackHalf2x16(words.x), unpackHalf2x16(words.y));
+  return vec4(words.x & 0xFFFFu, words.x >> 16, words.y & 0xFFFFu, words.y >> 16) / 65535.0;
+}
+
+// Linear RGBA. `is_color`: 8-bit codes are sRGB; a literal wherever it comes from, as half of the cost is decoding.
+vec4 load_texel(Texture image, ivec2 texel, bool is_color) {
   uint s_mode = image.flags & 3u, t_mode = (image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u;
   int x = wrap_texel(texel.x, int(image.width), s_mode), y = wrap_texel(texel.y, int(image.height), t_mode);
-  uvec2 packed = LOAD(WordPairBuffer, texels, image.first_texel + uint(y) * image.width + uint(x));
-  return vec4(unpackHalf2x16(packed.x), unpackHalf2x16(packed.y));
+  uint index = uint(y) * image.width + uint(x);
+  if ((spec_features & FEATURE_WIDE_TEXELS) != 0u && (image.flags & (TEXTURE_UNORM16 | TEXTURE_HALF)) != 0u)
+    return load_wide_texel(image, index);
+  uint word = LOAD(WordBuffer, image.texels, index);
+  vec3 color = vec3(word & 0xFFu, (word >> 8) & 0xFFu, (word >> 16) & 0xFFu);
+  float alpha = code_to_fraction(float(word >> 24));
+  if (is_color) return vec4(srgb_code_to_linear(color.r), srgb_code_to_linear(color.g), srgb_code_to_linear(color.b), alpha);
+  return vec4(code_to_fraction(color.r), code_to_fraction(color.g), code_to_fraction(color.b), alpha);
 }
 
 // Where a texture is looked up (glTF: (0, 0) is the top left corner of the image) at a point with these coordinates.
@@ -32,8 +47,8 @@ vec2 image_coordinates(Texture image, vec4 uv) {
 }
 
 // Linear RGBA of texture `index` at a point with these coordinates (see texture_coordinates). White if the index is
-// INVALID_INDEX.
-vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, vec4 coordinates) {
+// INVALID_INDEX. `is_color`: see load_texel.
+vec4 sample_texels(DeviceAddress textures, uint index, vec4 coordinates, bool is_color) {
   if (index == INVALID_INDEX) return vec4(1.0);
   Texture image = LOAD(TextureBuffer, textures, index);
   vec2 uv = image_coordinates(image, coordinates);
@@ -42,34 +57,42 @@ vec4 sample_texture(DeviceAddress textures, DeviceAddress texels, uint index, ve
   bvec2 clamps = bvec2((image.flags & 3u) == TEXTURE_WRAP_CLAMP,
                        ((image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u) == TEXTURE_WRAP_CLAMP);
   vec2 position = mix(near_uv, clamp(uv, -1.0, 2.0), clamps) * vec2(image.width, image.height);
-  if ((image.flags & TEXTURE_NEAREST) != 0u) return load_texel(texels, image, ivec2(floor(position)));
+  if ((image.flags & TEXTURE_NEAREST) != 0u) return load_texel(image, ivec2(floor(position)), is_color);
   vec2 corner = floor(position - 0.5);
   vec2 weight = position - 0.5 - corner;
   ivec2 texel = ivec2(corner);
-  vec4 top = mix(load_texel(texels, image, texel), load_texel(texels, image, texel + ivec2(1, 0)), weight.x);
-  vec4 bottom = mix(load_texel(texels, image, texel + ivec2(0, 1)), load_texel(texels, image, texel + ivec2(1, 1)), weight.x);
+  vec4 top = mix(load_texel(image, texel, is_color), load_texel(image, texel + ivec2(1, 0), is_color), weight.x);
+  vec4 bottom = mix(load_texel(image, texel + ivec2(0, 1), is_color), load_texel(image, texel + ivec2(1, 1), is_color), weight.x);
   return mix(top, bottom, weight.y);
 }
 
+// Of a texture that holds data, and of one whose RGB are a colour.
+vec4 sample_texture(DeviceAddress textures, uint index, vec4 coordinates) {
+  return sample_texels(textures, index, coordinates, false);
+}
+vec4 sample_color_texture(DeviceAddress textures, uint index, vec4 coordinates) {
+  return sample_texels(textures, index, coordinates, true);
+}
+
 // Multiplies the factors of a material by the vertex colour and by their textures at uv.
-void apply_textures(DeviceAddress textures, DeviceAddress texels, vec4 uv, vec4 color, inout Material material) {
+void apply_textures(DeviceAddress textures, vec4 uv, vec4 color, inout Material material) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u) material.base_color *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return;
-  material.base_color *= sample_texture(textures, texels, material.base_color_texture, uv).rgb;
+  material.base_color *= sample_color_texture(textures, material.base_color_texture, uv).rgb;
   if (spec_material_class == MATERIAL_CLASS_DIFFUSE) return;
-  vec4 metallic_roughness = sample_texture(textures, texels, material.metallic_roughness_texture, uv);
+  vec4 metallic_roughness = sample_texture(textures, material.metallic_roughness_texture, uv);
   material.roughness *= metallic_roughness.g;
   material.metallic *= metallic_roughness.b;
   if ((spec_features & FEATURE_SPECULAR_TEXTURES) != 0u) {
-    material.specular *= sample_texture(textures, texels, material.specular_texture, uv).a;
-    material.specular_color *= sample_texture(textures, texels, material.specular_color_texture, uv).rgb;
+    material.specular *= sample_texture(textures, material.specular_texture, uv).a;
+    material.specular_color *= sample_color_texture(textures, material.specular_color_texture, uv).rgb;
   }
   if ((spec_features & FEATURE_CLEARCOAT) != 0u) {
-    material.clearcoat *= sample_texture(textures, texels, material.clearcoat_texture, uv).r;
-    material.clearcoat_roughness *= sample_texture(textures, texels, material.clearcoat_roughness_texture, uv).g;
+    material.clearcoat *= sample_texture(textures, material.clearcoat_texture, uv).r;
+    material.clearcoat_roughness *= sample_texture(textures, material.clearcoat_roughness_texture, uv).g;
   }
   if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
-    material.transmission *= sample_texture(textures, texels, material.transmission_texture, uv).r;
+    material.transmission *= sample_texture(textures, material.transmission_texture, uv).r;
 }
 
 // Radiance a material emits at uv, with its emission factor (or the one of the light that stands for it) and the
@@ -77,7 +100,7 @@ void apply_textures(DeviceAddress textures, DeviceAddress texels, vec4 uv, vec4 
 vec3 emitted_radiance(Frame frame, Material material, vec3 factor, vec4 uv, vec4 color) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u && (material.flags & MATERIAL_UNLIT) != 0u) factor *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return factor;
-  return factor * sample_texture(frame.textures, frame.texels, material.emissive_texture, uv).rgb;
+  return factor * sample_color_texture(frame.textures, material.emissive_texture, uv).rgb;
 }
 
 #endif

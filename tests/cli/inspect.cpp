@@ -128,5 +128,47 @@ TEST(Inspect, MergeRadiusIsThatOfTheWholePicture) {
   EXPECT_NE(warning.find("--merge-radius 1000 m"), std::string::npos) << warning;
 }
 
+// Names of a file say nothing to the terminal but themselves.
+TEST(Inspect, ControlCharactersAreWrittenOut) {
+  const TemporaryFolder folder;
+  const std::string evil =
+      "\x1b]0;owned\x07\xc2\x9b"
+      "2J";
+  GltfScene scene;
+  json material = lambert({0.5, 0.5, 0.5});
+  material["name"] = evil;
+  scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, material);
+  scene.add_point_light({0, 0, 1}, {1, 1, 1});
+  const std::string path = (folder / "scene.gltf").string();
+  scene.write(path);
+  json document = read_json(path);
+  document["extensionsUsed"].push_back("EXT_" + evil);
+  document["scenes"][0]["extras"]["regulus"][evil] = 1;
+  document["scenes"][0]["extras"]["regulus"]["camera"] = evil;
+  std::ofstream(path) << document.dump();
+  for (const Arguments& arguments :
+       {Arguments{"inspect", path}, Arguments{"render", path, "--backend", "reference"},
+        Arguments{"inspect", path + evil}}) {
+    const Finished finished = run(arguments);
+    for (const std::string& text : {finished.out, finished.err})
+      for (const char* control : {"\x1b", "\x07", "\xc2\x9b"})
+        EXPECT_EQ(text.find(control), std::string::npos) << arguments[0];
+    EXPECT_NE((finished.out + finished.err).find("\\x1b]0;owned\\x07"), std::string::npos) << finished.err;
+  }
+}
+
+TEST(Inspect, MemoryThatIsNotAllowedIsRefusedWithBothNumbers) {
+  const TemporaryFolder folder;
+  GltfScene scene;
+  scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
+  scene.write(folder / "scene.gltf");
+  const std::string path = (folder / "scene.gltf").string();
+  expect_error(run({"inspect", path, "--memory", "1K"}), 3,
+               {"scene.gltf", "needs", "but --memory allows 0.0 MiB"});
+  EXPECT_EQ(run({"inspect", path, "--memory", "1G"}).status, 0);
+  for (const char* size : {"0", "-1", "much", "4X"})
+    EXPECT_EQ(run({"inspect", path, "--memory", size}).status, 2) << size;
+}
+
 }  // namespace
 }  // namespace regulus::test

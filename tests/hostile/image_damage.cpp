@@ -94,7 +94,9 @@ class ImageDamage : public testing::TestWithParam<Format> {
       file.triangle_of(
           {{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", file.texture(picture)}}}}}});
     }
-    return error_of([&] { file.load(); });
+    LoadOptions strict;
+    strict.is_strict = true;  // otherwise a scene does without
+    return error_of([&] { file.load(strict); });
   }
 };
 

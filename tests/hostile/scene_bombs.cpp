@@ -5,6 +5,7 @@
 #include <ctime>
 
 #include "../unit/scene_files.hpp"
+#include "base/process_usage.hpp"
 
 namespace regulus::scene::test {
 namespace {
@@ -69,6 +70,114 @@ TEST(SceneBombs, InstancesThatMultiplyBeyondMemory) {
   file.mesh(primitive);
   for (int i = 0; i < 30000; ++i) file.node({{"mesh", 0}});
   EXPECT_NE(text_error(file.root.dump()), "");
+}
+
+LoadOptions with_memory(uint64_t bytes) {
+  LoadOptions options;
+  options.memory_bytes = bytes;
+  return options;
+}
+
+/// "... needs N MiB, with the rest of the scene M MiB, but --memory allows 256.0 MiB": M.
+double needed_mebibytes(const std::string& error) {
+  const std::string before = "with the rest of the scene ";
+  const size_t at = error.find(before);
+  EXPECT_NE(at, std::string::npos) << error;
+  EXPECT_NE(error.find("--memory allows 256.0 MiB"), std::string::npos) << error;
+  return at == std::string::npos ? 0 : std::stod(error.substr(at + before.size()));
+}
+
+/// Loads under --memory 256M, and says by how much the process grew meanwhile.
+std::string limited_error(const std::string& text) {
+  const TemporaryFolder folder;
+  const auto path = folder.write("bomb.gltf", text);
+  const uint64_t before = process_peak_bytes();
+  std::string error = timed_error([&] { load(path, with_memory(uint64_t{256} << 20)); });
+  EXPECT_LE(process_peak_bytes(), before + (uint64_t{256} << 20)) << "taken before it was counted";
+  return error;
+}
+
+// A few kilobytes of JSON place a triangle 2^22 times: at least a matrix each, 128 bytes.
+TEST(SceneBombs, InstancesAreCountedBeforeTheyAreMade) {
+  Gltf file;
+  file.triangle();
+  file.root["accessors"].push_back({{"componentType", FLOAT}, {"type", "VEC3"}, {"count", 1 << 22}});
+  file.root["nodes"][0]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"]["TRANSLATION"] = 2;
+  EXPECT_GT(needed_mebibytes(limited_error(file.root.dump())), 512);
+}
+
+// 1,000 nodes show a mesh of 1,000 primitives.
+TEST(SceneBombs, PrimitivesAreCountedBeforeTheyAreMade) {
+  Gltf file;
+  file.triangle();
+  json& primitives = file.root["meshes"][0]["primitives"];
+  for (int i = 1; i < 1000; ++i) primitives.push_back(primitives[0]);
+  for (int i = 1; i < 1000; ++i) file.node({{"mesh", 0}});
+  EXPECT_GT(needed_mebibytes(limited_error(file.root.dump())), 256);
+}
+
+// A thousand primitives of one triangle each claim four million vertices.
+TEST(SceneBombs, VerticesAreCountedBeforeAnyIsLookedAt) {
+  Gltf file;
+  file.triangle();
+  file.root["accessors"].push_back({{"componentType", FLOAT}, {"type", "VEC3"}, {"count", 1 << 22}});
+  const size_t indices = file.accessor(std::vector<uint32_t>{0, 1, 2}, "SCALAR", UNSIGNED_INT);
+  json& primitives = file.root["meshes"][0]["primitives"];
+  for (int i = 0; i < 1000; ++i)
+    primitives.push_back({{"attributes", {{"POSITION", 2}}}, {"indices", indices}});
+  EXPECT_GT(needed_mebibytes(limited_error(file.root.dump())), 1000.0 * (1 << 22) * 32 / (1 << 20));
+}
+
+// 16,384 x 16,384 pixels of one bit, all 0, deflated to 211 KB; four bytes each as a texture.
+TEST(SceneBombs, PixelsAreCountedBeforeTheyAreDecoded) {
+  Gltf file;
+  const size_t texture = file.texture(make_blank_png(16384, 16384));
+  file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
+  EXPECT_GT(needed_mebibytes(limited_error(file.root.dump())), 1024);
+}
+
+// 12 MB of lists within lists, of empty objects and of numbers, where nobody looks.
+TEST(SceneBombs, JsonIsCountedBeforeItIsParsed) {
+  for (const std::string& part :
+       {std::string(100, '[') + std::string(100, ']'), std::string("{}"), std::string("0")}) {
+    std::string text = R"({"asset":{"version":"2.0"},"extras":[)";
+    while (text.size() < 12000000) text += part + ",";
+    EXPECT_GT(needed_mebibytes(limited_error(text + "0]}")), 256);
+  }
+}
+
+TEST(SceneBombs, FilesAreCountedBeforeTheyAreRead) {
+  const TemporaryFolder folder;
+  folder.write("huge.bin", "");
+  std::filesystem::resize_file(folder.path() / "huge.bin", uint64_t{1} << 40);  // a hole
+  Gltf file;
+  file.triangle();
+  file.root["buffers"][0]["uri"] = "huge.bin";
+  const std::string error = timed_error([&] { load(folder.write("test.gltf", file.root.dump())); });
+  EXPECT_NE(error.find("huge.bin"), std::string::npos);
+  EXPECT_NE(error.find("needs 1048576.0 MiB"), std::string::npos);
+}
+
+// What is counted covers what a scene takes: the grid of 200,000 triangles needs more than its arrays alone.
+TEST(SceneBombs, EstimatesAreNoGuessesBelow) {
+  constexpr uint32_t SIDE = 316;
+  Gltf file;
+  std::vector<float> positions;
+  std::vector<uint32_t> indices;
+  for (uint32_t y = 0; y <= SIDE; ++y)
+    for (uint32_t x = 0; x <= SIDE; ++x)
+      for (const uint32_t value : {x, y, x * y % 7}) positions.push_back(static_cast<float>(value));
+  for (uint32_t y = 0; y < SIDE; ++y)
+    for (uint32_t x = 0; x < SIDE; ++x)
+      for (const uint32_t corner : {0u, 1u, SIDE + 1, 1u, SIDE + 2, SIDE + 1})
+        indices.push_back(y * (SIDE + 1) + x + corner);
+  const json primitive = {{"attributes", {{"POSITION", file.positions(positions)}}},
+                          {"indices", file.accessor(indices, "SCALAR", UNSIGNED_INT)}};
+  file.node({{"mesh", file.mesh(primitive)}});
+  const auto needs = [&](uint64_t memory) { return error_of([&] { file.load(with_memory(memory << 20)); }); };
+  EXPECT_EQ(needs(256), "");
+  const std::string error = needs(64);
+  EXPECT_NE(error.find("geometry of 199712 triangles needs"), std::string::npos) << error;
 }
 
 TEST(SceneBombs, DeepJsonDoesNotOverflowTheStack) {

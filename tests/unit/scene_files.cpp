@@ -49,7 +49,43 @@ Bytes stored_zlib(const Bytes& raw) {
   return stream;
 }
 
+/// zlib stream of `size` zeros: a literal and then copies of 258 bytes from one byte back, by the fixed codes
+/// (RFC 1951 3.2.6: length 258 has the code 11000101, distance 1 the code 00000).
+Bytes deflated_zeros(uint64_t size) {
+  Bytes stream = {0x78, 0x01};
+  uint32_t bits = 0, count = 0;
+  const auto append = [&](uint32_t value, uint32_t length) {
+    for (uint32_t i = 0; i < length; ++i) {
+      bits |= (value >> (length - 1 - i) & 1) << count;
+      if (++count == 8) {
+        stream.push_back(static_cast<unsigned char>(bits));
+        bits = count = 0;
+      }
+    }
+  };
+  append(0b110, 3);  // last block, fixed codes, lowest bit first
+  for (uint64_t i = 0; i < 1 + (size - 1) % 258; ++i) append(0b00110000, 8);  // literal 0
+  for (uint64_t i = 0; i < (size - 1) / 258; ++i) append(0b1100010100000, 13);
+  append(0, 7);  // end of block
+  append(0, 7);  // to a whole byte
+  // Adler-32 of zeros: a stays 1, b counts the bytes.
+  append_u32(stream, static_cast<uint32_t>(size % 65521) << 16 | 1);
+  return stream;
+}
+
 }  // namespace
+
+Bytes make_blank_png(uint32_t width, uint32_t height) {
+  Bytes header;
+  append_u32(header, width);
+  append_u32(header, height);
+  header.insert(header.end(), {1, 0, 0, 0, 0});
+  Bytes png = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1A, '\n'};
+  append_chunk(png, "IHDR", header);
+  append_chunk(png, "IDAT", deflated_zeros(uint64_t{height} * (1 + (width + 7) / 8)));
+  append_chunk(png, "IEND", {});
+  return png;
+}
 
 Bytes make_png(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
                const std::vector<uint16_t>& samples) {

@@ -75,6 +75,9 @@ Bytes to_bytes(const std::vector<T>& values) {
 Bytes make_png(uint32_t width, uint32_t height, uint32_t channels, uint32_t bits,
                const std::vector<uint16_t>& samples);
 
+/// A grey PNG of one bit a pixel, all black, as small as deflate makes it.
+Bytes make_blank_png(uint32_t width, uint32_t height);
+
 constexpr int BYTE = 5120, UNSIGNED_BYTE = 5121, SHORT = 5122, UNSIGNED_SHORT = 5123, UNSIGNED_INT = 5125,
               FLOAT = 5126;
 

@@ -16,6 +16,8 @@ using interface::INVALID_INDEX;
 
 // Half of the spacing of halfs below 1, plus rounding of the float that is converted.
 constexpr double HALF_ERROR = 0x1p-12 + 0x1p-24;
+// Of decoding 8-bit codes, relative (interface/srgb.h).
+constexpr double CODE_ERROR = 4.2e-7;
 
 Scene load_material(const json& material) {
   Gltf file;
@@ -210,7 +212,7 @@ TEST(SceneMaterial, SpecularGlossinessTexturesAreSplit) {
         "KHR_materials_pbrSpecularGlossiness",
         {{"specularGlossinessTexture", {{"index", texture}}}, {"glossinessFactor", glossiness}}));
   const Scene scene = file.load();
-  ASSERT_EQ(scene.texels.size(), 12u);  // one colour, two roughnesses of two texels
+  ASSERT_EQ(scene.images.size(), 3u);  // one colour, two roughnesses
   for (const size_t i : {0u, 1u}) {
     const interface::Material& material = scene.materials[i];
     const double factor = i == 0 ? 1 : 0.5;
@@ -312,27 +314,30 @@ TEST(SceneTexture, ColorsAreDecodedFromSrgbAndDataIsNot) {
         {{"baseColorTexture", {{"index", texture}}}, {"metallicRoughnessTexture", {{"index", texture}}}}}});
   const Scene scene = file.load();
   ASSERT_EQ(scene.textures.size(), 2u);
-  ASSERT_EQ(scene.texels.size(), 8u);  // stored once per meaning
+  ASSERT_EQ(scene.images.size(), 1u);  // the same codes, whatever they mean
+  EXPECT_EQ(scene.images[0].size(), 2u);
   const glm::vec4 color = texel(scene, scene.textures[scene.materials[0].base_color_texture], 0, 0);
   const glm::vec4 data = texel(scene, scene.textures[scene.materials[0].metallic_roughness_texture], 0, 0);
   const auto srgb = [](double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); };
   EXPECT_EQ(color.r, 0.0f);
-  EXPECT_NEAR(color.g, srgb(10 / 255.0), srgb(10 / 255.0) * 2 * HALF_ERROR);
-  EXPECT_NEAR(color.b, srgb(128 / 255.0), srgb(128 / 255.0) * 2 * HALF_ERROR);
-  EXPECT_NEAR(color.a, 64 / 255.0, HALF_ERROR);
-  EXPECT_NEAR(data.g, 10 / 255.0, HALF_ERROR);
+  EXPECT_NEAR(color.g, srgb(10 / 255.0), srgb(10 / 255.0) * CODE_ERROR);
+  EXPECT_NEAR(color.b, srgb(128 / 255.0), srgb(128 / 255.0) * CODE_ERROR);
+  EXPECT_NEAR(color.a, 64 / 255.0, 64 / 255.0 * CODE_ERROR);
+  EXPECT_NEAR(data.g, 10 / 255.0, 10 / 255.0 * CODE_ERROR);
   EXPECT_EQ(texel(scene, scene.textures[0], 1, 0).r, 1.0f);
 }
 
 TEST(SceneTexture, SixteenBitsSurvive) {
   Gltf file;
-  // Two neighbours in 16 bit that 8 bit would not tell apart, below 1/16 where halfs resolve 2^-15.
+  // Two neighbours in 16 bit that 8 bit would not tell apart.
   const size_t texture = file.texture(make_png(2, 1, 3, 16, {0, 1000, 0, 0, 1010, 0}));
   file.triangle_of({{"pbrMetallicRoughness", {{"metallicRoughnessTexture", {{"index", texture}}}}}});
   const Scene scene = file.load();
-  const double half_spacing = 0x1p-17;  // of halfs in [2^-7, 2^-6)
-  EXPECT_NEAR(texel(scene, scene.textures[0], 0, 0).g, 1000 / 65535.0, half_spacing);
-  EXPECT_NEAR(texel(scene, scene.textures[0], 1, 0).g, 1010 / 65535.0, half_spacing);
+  EXPECT_EQ(scene.textures[0].flags & interface::TEXTURE_UNORM16, interface::TEXTURE_UNORM16);
+  EXPECT_EQ(texel(scene, scene.textures[0], 0, 0).g, 1000 / 65535.0f);
+  EXPECT_EQ(texel(scene, scene.textures[0], 1, 0).g, 1010 / 65535.0f);
+  EXPECT_EQ(texel(scene, scene.textures[0], 1, 0).a, 1.0f);
+  EXPECT_NE(find_features(scene).bits & interface::FEATURE_WIDE_TEXELS, 0u);
 }
 
 TEST(SceneTexture, SamplersSetWrapAndFilter) {
@@ -341,7 +346,7 @@ TEST(SceneTexture, SamplersSetWrapAndFilter) {
                                       {{"wrapS", 33071}, {"wrapT", 33648}, {"magFilter", 9728}});
   file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", texture}}}}}});
   const Scene scene = file.load();
-  EXPECT_EQ(scene.textures[0].flags, interface::TEXTURE_WRAP_CLAMP |
+  EXPECT_EQ(scene.textures[0].flags, interface::TEXTURE_SRGB | interface::TEXTURE_WRAP_CLAMP |
                                          interface::TEXTURE_WRAP_MIRROR << interface::TEXTURE_WRAP_T_SHIFT |
                                          interface::TEXTURE_NEAREST);
 }
@@ -349,12 +354,16 @@ TEST(SceneTexture, SamplersSetWrapAndFilter) {
 TEST(SceneTexture, EvaluationWrapsAndInterpolates) {
   Scene scene;
   // One row of four texels 0, 1, 2, 3 in red.
+  std::vector<uint32_t> words;
   for (const float value : {0.0f, 1.0f, 2.0f, 3.0f}) {
-    scene.texels.push_back(glm::packHalf2x16({value, 0}));
-    scene.texels.push_back(0);
+    words.push_back(glm::packHalf2x16({value, 0}));
+    words.push_back(0);
   }
+  scene.images = {words};
   const auto red = [&](uint32_t flags, float u) {
-    return sample_texture(scene, interface::Texture{0, 4, 1, flags, {1, 0, 0}, {0, 1, 0}}, {u, 0.5, 0, 0}).r;
+    flags |= interface::TEXTURE_HALF;
+    return sample_texture(scene, interface::Texture{{}, 0, 4, 1, flags, {1, 0, 0}, {0, 1, 0}}, {u, 0.5, 0, 0})
+        .r;
   };
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.125f), 0.0f);  // centre of the first texel
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.25f), 0.5f);   // between first and second
