@@ -61,15 +61,15 @@ void follow(const World& world, const CameraRay& start, double cos_axis, Points&
 }
 
 double extent_of(const std::vector<dvec3>& positions) {
+  std::vector<double> values(positions.size());
   dvec3 middle(0);
   for (int axis = 0; axis < 3; ++axis) {
-    std::vector<double> coordinates;
-    for (const dvec3& position : positions) coordinates.push_back(position[axis]);
-    middle[axis] = median(std::move(coordinates));
+    std::ranges::transform(positions, values.begin(), [&](const dvec3& position) { return position[axis]; });
+    middle[axis] = median(values);
   }
-  std::vector<double> distances;
-  for (const dvec3& position : positions) distances.push_back(glm::length(position - middle));
-  return median(std::move(distances));
+  std::ranges::transform(positions, values.begin(),
+                         [&](const dvec3& position) { return glm::length(position - middle); });
+  return median(values);
 }
 
 float three_digits(double value) {
