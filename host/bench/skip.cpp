@@ -112,7 +112,8 @@ const std::map<uint32_t, Addition>& additions() {
       {FEATURE_MANY_LIGHTS, [](Speck& s) { s.light(LIGHT_POINT); }},
       {FEATURE_POINT_LIGHTS, [](Speck& s) { s.light(LIGHT_POINT); }},
       {FEATURE_DIRECTIONAL_LIGHTS, [](Speck& s) { s.light(LIGHT_DIRECTIONAL); }},
-      {FEATURE_ROUGH_SPECULAR, [](Speck& s) { s.shiny(0.5F); }},
+      {FEATURE_ROUGH_SPECULAR, [](Speck& s) { s.shiny(0.05F); }},
+      {FEATURE_ROUGH_BASE, [](Speck& s) { s.shiny(0.5F); }},
       {FEATURE_DELTA_SPECULAR, [](Speck& s) { s.shiny(0); }},
       {FEATURE_ABSORPTION,
        [](Speck& s) {

@@ -55,17 +55,15 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
       surface_{parameters.ndf, parameters.shadowing, parameters.alpha},
       coat_{parameters.ndf, parameters.shadowing, parameters.coat_alpha},
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
-  const double exact =
+  energy_roughness_ = std::sqrt(std::sqrt(parameters.alpha.x * parameters.alpha.y));
+  diffuse_albedo_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color;
+  if (const EnergyTables* tables = parameters.energy != nullptr ? parameters.energy : parameters.cover)
+    energy_index_ = tables->nearest(std::max(parameters.ior, 1 / parameters.ior));
+  if (parameters.cover != nullptr && diffuse_albedo_ != dvec3(0)) cover_share_ = cover_share(energy_roughness_);
+  parameters_.fresnel_average =
       parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
-  dvec3 average = dielectric_.remap(exact, parameters.ior);
-  if (parameters.energy != nullptr) {
-    energy_index_ = parameters.energy->nearest(parameters.ior);
-    energy_roughness_ = std::sqrt(std::sqrt(parameters.alpha.x * parameters.alpha.y));
-    average += parameters.energy->fresnel_mean(energy_index_, energy_roughness_) *
-               (dielectric_.f90 - dielectric_.f0);
-  }
-  diffuse_scale_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color /
-                   (pi * glm::max(1.0 - average, dvec3(1e-4)));
+  for (const bool is_back : {false, true})
+    diffuse_scale_[is_back] = diffuse_albedo_ / (pi * mean_transmittance(is_back && refracts()));
 }
 
 Bsdf Bsdf::with_alpha(const dvec2& alpha) const {
@@ -123,13 +121,43 @@ dvec3 Bsdf::compensated_reflectance(double cos_facet, double eta, double camera_
          (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta) * dielectric_gain(camera_z);
 }
 
-/// The facets of a rough interface are met at other angles than the surface: by the tables, from outside.
+dvec3 Bsdf::base_reflectance(double cosine, double eta) const {
+  const dvec3 smooth = dielectric_.reflectance(cosine, eta);
+  if (cover_share_ == 0) return smooth;
+  const double position = parameters_.cover->cover(energy_index_, cosine, energy_roughness_, eta < 1).y;
+  return glm::mix(smooth, dielectric_.at_position(position), cover_share_);
+}
+
+/// With energy compensation the facets of a rough interface are met at other angles than the surface: by the
+/// tables, from outside.
 dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
-  double exact = fresnel_dielectric(cosine, eta);
+  if (parameters_.energy != nullptr && eta >= 1) {
+    const double further = parameters_.energy->fresnel(energy_index_, cosine, energy_roughness_);
+    return 1.0 - dielectric_.remap(fresnel_dielectric(cosine, eta) + further * (1 - fresnel_normal_incidence(eta)), eta);
+  }
+  dvec3 passed = 1.0 - base_reflectance(cosine, eta);
+  if (cover_share_ > 0) {
+    const double kept = parameters_.cover->cover(energy_index_, cosine, energy_roughness_, eta < 1).x;
+    passed += cover_share_ * (1 - kept) * dielectric_.f0;
+  }
+  return passed;
+}
+
+/// The light that passes an interface is the same from both sides: 1 - F_avg at the back is 1 / n^2 of that at
+/// the front.
+dvec3 Bsdf::mean_transmittance(bool is_back) const {
+  const double eta = is_back ? 1 / parameters_.ior : parameters_.ior;
+  const double front = *parameters_.fresnel_average;
+  const double average = is_back ? 1 - (1 - front) * eta * eta : front;
+  dvec3 passed = 1.0 - dielectric_.remap(average, eta);
   if (parameters_.energy != nullptr && eta >= 1)
-    exact += parameters_.energy->fresnel(energy_index_, cosine, energy_roughness_) *
-             (1 - fresnel_normal_incidence(eta));
-  return 1.0 - dielectric_.remap(exact, eta);
+    passed -= parameters_.energy->fresnel_mean(energy_index_, energy_roughness_) * (dielectric_.f90 - dielectric_.f0);
+  if (cover_share_ > 0) {
+    const dvec2 mean = parameters_.cover->cover_mean(energy_index_, energy_roughness_, eta < 1);
+    const dvec3 rough = 1.0 - mean.x * dielectric_.f0 - mean.y * (dielectric_.f90 - dielectric_.f0);
+    passed = glm::mix(passed, rough, cover_share_);
+  }
+  return glm::max(passed, dvec3(1e-6));
 }
 
 dvec3 Bsdf::transmittance(double cos_facet, double eta) const {
@@ -144,7 +172,7 @@ double Bsdf::reflection_probability(double cos_facet, double eta) const {
 }
 
 dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
-  return diffuse_scale_ * diffuse_transmittance(wi.z, eta) * diffuse_transmittance(wo.z, eta);
+  return diffuse_scale_[eta != parameters_.ior] * diffuse_transmittance(wi.z, eta) * diffuse_transmittance(wo.z, eta);
 }
 
 /// D G2 / (4 cos_i cos_o), both directions above the surface.
@@ -228,25 +256,26 @@ dvec3 Bsdf::base_value(const dvec3& wo_material, const dvec3& wi_material, Trans
          mirror_lobe_value(wo, wi_mirrored);
 }
 
+Bsdf::Shares Bsdf::shares(const dvec3& w) const {
+  const double cosine = std::abs(w.z);
+  const dvec3 reflected = base_reflectance(cosine, relative_index(w));
+  const dvec3 clear = (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color;
+  return {luminance(diffuse_albedo_ * (1.0 - reflected)),
+          luminance(parameters_.metallic * fresnel_metal(parameters_.base_color, cosine) +
+                    (1 - parameters_.metallic) * reflected) +
+              luminance(clear * (1.0 - reflected))};
+}
+
 double Bsdf::diffuse_probability(const dvec3& wo) const {
-  const double eta = relative_index(wo);
-  const double cos_o = std::abs(wo.z);
-  const dvec3 base = (1 - parameters_.metallic) * (1 - parameters_.transmission) * parameters_.base_color;
-  const double diffuse = luminance(base * (1.0 - dielectric_.reflectance(cos_o, eta)));
-  const double specular = luminance(reflectance(cos_o, eta)) + luminance(transmittance(cos_o, eta));
-  if (specular == 0) return 1;
-  return diffuse / (diffuse + specular);
+  const auto [diffuse, facets] = shares(wo);
+  return facets == 0 ? 1 : diffuse / (diffuse + facets);
 }
 
 double Bsdf::coat_probability(const dvec3& wo) const {
   const double coat = coat_reflectance(wo);
   if (coat == 0 || to_coat(wo, wo.z < 0).z <= 0) return 0;
-  const double eta = relative_index(wo);
-  const double cos_o = std::abs(wo.z);
-  const dvec3 base = (1 - parameters_.metallic) * (1 - parameters_.transmission) * parameters_.base_color;
-  const double below = luminance(base * (1.0 - dielectric_.reflectance(cos_o, eta))) +
-                       luminance(reflectance(cos_o, eta)) + luminance(transmittance(cos_o, eta));
-  return coat / (coat + (1 - coat) * below);
+  const auto [diffuse, facets] = shares(wo);
+  return coat / (coat + (1 - coat) * (diffuse + facets));
 }
 
 double Bsdf::pdf(const dvec3& wo, const dvec3& wi) const {

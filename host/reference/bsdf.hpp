@@ -6,6 +6,7 @@
 // are unit, point away from the surface and may lie on either side of it.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <optional>
 
@@ -40,6 +41,9 @@ struct BsdfParameters {
   /// rest.
   std::optional<double> fresnel_average = std::nullopt;
   const EnergyTables* energy = nullptr;  ///< energy is compensated by these; null: not at all
+  /// What rough interfaces leave to the diffuse base, by these; null: as much as smooth ones. Not with
+  /// `energy`.
+  const EnergyTables* cover = nullptr;
 };
 
 /// A sampled direction.
@@ -90,7 +94,7 @@ class Bsdf {
 
   /// True if some lobe that w meets is not a delta: something that connections and merges can use.
   bool has_finite_lobe(const glm::dvec3& w) const {
-    return !is_delta() || diffuse_scale_ != glm::dvec3(0) || (coat_towards(w) > 0 && !is_coat_delta());
+    return !is_delta() || diffuse_albedo_ != glm::dvec3(0) || (coat_towards(w) > 0 && !is_coat_delta());
   }
 
   /// True if the clearcoat's lobe is a delta event.
@@ -131,8 +135,17 @@ class Bsdf {
   double dielectric_gain(double camera_z) const;
   glm::dvec3 metal_gain(double camera_z) const;
   glm::dvec3 compensated_reflectance(double cos_facet, double eta, double camera_z) const;
-  /// Of the interface, for the diffuse lobe.
+  /// Of the interface, for the diffuse lobe: at one direction, and its mean over all of that side.
   glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
+  glm::dvec3 mean_transmittance(bool is_back) const;
+  /// F_d as the diffuse base and the choice of lobes see it: of a rough interface by its own albedo, where what
+  /// it loses between facets counts as reflected at normal incidence.
+  glm::dvec3 base_reflectance(double cosine, double eta) const;
+  /// Luminance of what diffuse lobe and facets would reflect or transmit of light from w.
+  struct Shares {
+    double diffuse, facets;
+  };
+  Shares shares(const glm::dvec3& w) const;
   glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
   double reflection_probability(double cos_facet, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
@@ -158,7 +171,10 @@ class Bsdf {
   SpecularDielectric dielectric_;
   uint32_t energy_index_ = 0;    // of the tables for this index of refraction
   double energy_roughness_ = 0;  // of the material itself, also where a lobe is raised
-  glm::dvec3 diffuse_scale_;     // (1 - m) (1 - t) base / (pi (1 - F_d,avg))
+  double cover_share_ = 0;       // of parameters_.cover in the base's light, likewise
+  glm::dvec3 diffuse_albedo_;    // (1 - m) (1 - t) base
+  // That over pi and mean_transmittance, at the front and at the back.
+  std::array<glm::dvec3, 2> diffuse_scale_;
 };
 
 /// Luminance of a linear Rec. 709 colour.

@@ -74,6 +74,17 @@ double remembered(std::atomic<double>& stored, const Function& compute) {
   return value;
 }
 
+/// The same for two numbers. The second is stored first: who finds the first known finds both.
+template <typename Function>
+dvec2 remembered_pair(std::atomic<double>* stored, const Function& compute) {
+  const double known = stored[0].load(std::memory_order_acquire);
+  if (!std::isnan(known)) return {known, stored[1].load(std::memory_order_relaxed)};
+  const dvec2 value = compute();
+  stored[1].store(value.y, std::memory_order_relaxed);
+  stored[0].store(value.x, std::memory_order_release);
+  return value;
+}
+
 std::vector<float> chosen(std::vector<float> all) {
   std::ranges::sort(all);
   all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -91,22 +102,28 @@ EnergyTables::EnergyTables(std::vector<float> indices, uint32_t ndf, uint32_t sh
       ndf_(ndf),
       shadowing_(shadowing),
       nodes_(unknown(indices_.size() * PLANES * ENERGY_PLANE_WORDS)),
-      means_(unknown(indices_.size() * PLANES * ENERGY_NODES)) {}
+      means_(unknown(indices_.size() * PLANES * ENERGY_NODES)),
+      cover_nodes_(unknown(indices_.size() * 4 * COVER_NODES)),
+      cover_means_(unknown(indices_.size() * 4 * COVER_ROWS)) {}
 
 uint32_t EnergyTables::nearest(double ior) const {
   const auto is_nearer = [&](float a, float b) { return std::abs(a - ior) < std::abs(b - ior); };
   return static_cast<uint32_t>(std::ranges::min_element(indices_, is_nearer) - indices_.begin());
 }
 
-double EnergyTables::integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const {
-  const double alpha = alpha_of_row(row);
-  const Microsurface surface{ndf_, shadowing_, dvec2(alpha)};
+namespace {
+
+/// Sums over the points of a node.
+struct Scattered {
+  double reflected = 0, fresnel = 0, transmitted = 0;  // `fresnel`: the reflected, times their reflectance
+};
+
+/// What a surface does with even light from a direction with this cosine. `eta`: n(beyond) / n(here).
+Scattered scatter(const Microsurface& surface, double cosine, double eta) {
   const Microsurface seen = visible_normal_model(surface);
-  const double eta = quantity == ENERGY_SCATTERED_IN ? 1 / ior : ior;
-  const double cosine = cosine_at(quantity, std::max(fraction(direction), LEAST_POSITION), alpha);
   const dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
-  double reflected = 0, transmitted = 0, fresnel_sum = 0;
-  for (uint32_t i = 0; i < NODE_POINTS; ++i) {
+  Scattered sums;
+  for (uint32_t i = 0; i < EnergyTables::NODE_POINTS; ++i) {
     const dvec3 u = r3_point(i);
     double u_choice = u.z;
     const dvec3 h = sample_visible_normal(surface, wo, dvec2(u), u_choice);
@@ -116,19 +133,96 @@ double EnergyTables::integrate_node(double ior, uint32_t quantity, uint32_t dire
     const dvec3 mirrored = reflect_at(wo, h);
     if (mirrored.z > 0) {
       const double share = masking_shadowing(surface, mirrored, wo, h, Scattering::Reflection) / masked;
-      reflected += share;
-      fresnel_sum += share * fresnel;
+      sums.reflected += share;
+      sums.fresnel += share * fresnel;
     }
     const dvec3 refracted = refract_at(wo, h, eta);
     if (refracted.z < 0)
-      transmitted +=
+      sums.transmitted +=
           (1 - fresnel) * masking_shadowing(surface, refracted, wo, h, Scattering::Transmission) / masked;
   }
-  if (quantity == ENERGY_REFLECTED) return reflected / NODE_POINTS;
+  return sums;
+}
+
+double cover_roughness(uint32_t row) {
+  const double begin = COVER_BEGIN_HUNDREDTHS / 100.0;
+  return begin + (1 - begin) * row / (COVER_ROWS - 1);
+}
+
+/// Where a roughness lies between the rows of a cover.
+Place cover_row(double roughness) {
+  const double begin = COVER_BEGIN_HUNDREDTHS / 100.0;
+  const double scaled = std::clamp((roughness - begin) / (1 - begin), 0.0, 1.0) * (COVER_ROWS - 1);
+  const uint32_t row = std::min(static_cast<uint32_t>(scaled), COVER_ROWS - 2);
+  return {row, scaled - row};
+}
+
+}  // namespace
+
+double cover_share(double roughness) {
+  const double begin = COVER_BEGIN_HUNDREDTHS / 100.0, full = COVER_FULL_HUNDREDTHS / 100.0;
+  const double x = std::clamp((roughness - begin) / (full - begin), 0.0, 1.0);
+  return x * x * (3 - 2 * x);
+}
+
+double EnergyTables::integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const {
+  const double alpha = alpha_of_row(row);
+  const double eta = quantity == ENERGY_SCATTERED_IN ? 1 / ior : ior;
+  const double cosine = cosine_at(quantity, std::max(fraction(direction), LEAST_POSITION), alpha);
+  const Scattered sums = scatter({ndf_, shadowing_, dvec2(alpha)}, cosine, eta);
+  if (quantity == ENERGY_REFLECTED) return sums.reflected / NODE_POINTS;
   if (quantity == ENERGY_FRESNEL)
-    return (fresnel_sum / std::max(reflected, 1e-6) - fresnel_dielectric(cosine, eta)) /
+    return (sums.fresnel / std::max(sums.reflected, 1e-6) - fresnel_dielectric(cosine, eta)) /
            (1 - fresnel_normal_incidence(ior));
-  return (fresnel_sum + transmitted) / NODE_POINTS;
+  return (sums.fresnel + sums.transmitted) / NODE_POINTS;
+}
+
+dvec2 EnergyTables::cover_node(uint32_t index, bool is_inside, uint32_t direction, uint32_t row) const {
+  const size_t node = (index * 2 + is_inside) * size_t{COVER_NODES} + row * ENERGY_NODES + direction;
+  return remembered_pair(&cover_nodes_[2 * node], [&] {
+    const double ior{indices_[index]};
+    const double root = std::max(fraction(direction), LEAST_POSITION);
+    const double roughness = cover_roughness(row);
+    const Scattered sums =
+        scatter({ndf_, shadowing_, dvec2(roughness * roughness)}, root * root, is_inside ? 1 / ior : ior);
+    const double normal = fresnel_normal_incidence(ior);
+    return dvec2(sums.reflected, (sums.fresnel - normal * sums.reflected) / (1 - normal)) /
+           static_cast<double>(NODE_POINTS);
+  });
+}
+
+dvec2 EnergyTables::cover(uint32_t index, double cosine, double roughness, bool is_inside) const {
+  const Place column = place_of(std::sqrt(std::clamp(cosine, 0.0, 1.0)));
+  const Place row = cover_row(roughness);
+  const auto along = [&](uint32_t r) {
+    return glm::mix(cover_node(index, is_inside, column.node, r), cover_node(index, is_inside, column.node + 1, r),
+                    column.rest);
+  };
+  return glm::mix(along(row.node), along(row.node + 1), row.rest);
+}
+
+dvec2 EnergyTables::cover_row_mean(uint32_t index, bool is_inside, uint32_t row) const {
+  dvec2 sum(0);
+  for (uint32_t i = 0; i + 1 < ENERGY_NODES; ++i) {
+    const dvec2 first = cover_node(index, is_inside, i, row);
+    const dvec2 last = cover_node(index, is_inside, i + 1, row);
+    for (int k = 0; k < 2; ++k) {
+      const auto integrand = [&](double c) {
+        return 2 * c * std::lerp(first[k], last[k], std::sqrt(c) * (ENERGY_NODES - 1) - i);
+      };
+      sum[k] += integrate(integrand, fraction(i) * fraction(i), fraction(i + 1) * fraction(i + 1));
+    }
+  }
+  return sum;
+}
+
+dvec2 EnergyTables::cover_mean(uint32_t index, double roughness, bool is_inside) const {
+  const Place place = cover_row(roughness);
+  const auto of_row = [&](uint32_t row) {
+    return remembered_pair(&cover_means_[2 * ((index * 2 + is_inside) * size_t{COVER_ROWS} + row)],
+                           [&] { return cover_row_mean(index, is_inside, row); });
+  };
+  return glm::mix(of_row(place.node), of_row(place.node + 1), place.rest);
 }
 
 double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const {

@@ -1,6 +1,6 @@
-// Energy compensation's tables in double precision (Turquin 2019; the model stands in
-// shaders/lib/energy.glsl): what a rough interface keeps by single scattering, at nodes of roughness and
-// direction, bilinear between them.
+// Tables in double precision of what a rough interface keeps by single scattering, at nodes of roughness and
+// direction, bilinear between them: for energy compensation (Turquin 2019; the model stands in
+// shaders/lib/energy.glsl) and for diffuse bases (shaders/lib/cover.glsl).
 #pragma once
 
 #include <atomic>
@@ -39,7 +39,12 @@ class EnergyTables {
   double fresnel(uint32_t index, double cosine, double roughness) const;
   double fresnel_mean(uint32_t index, double roughness) const;
 
-  /// One node of a plane, `quantity` ENERGY_*.
+  /// What an interface of the `index`-th index reflects of even light from a direction, if it reflects F_0 +
+  /// s (F_90 - F_0) at Fresnel position s: x F_0 + y (F_90 - F_0). And its mean over directions.
+  glm::dvec2 cover(uint32_t index, double cosine, double roughness, bool is_inside) const;
+  glm::dvec2 cover_mean(uint32_t index, double roughness, bool is_inside) const;
+
+  /// One node of a plane, `quantity` ENERGY_*, but not of a cover.
   double node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const;
 
  private:
@@ -47,12 +52,18 @@ class EnergyTables {
   double mean(uint32_t index, uint32_t quantity, double roughness) const;
   double row_mean(uint32_t index, uint32_t quantity, uint32_t row) const;
   double integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const;
+  glm::dvec2 cover_node(uint32_t index, bool is_inside, uint32_t direction, uint32_t row) const;
+  glm::dvec2 cover_row_mean(uint32_t index, bool is_inside, uint32_t row) const;
 
   std::vector<float> indices_;
   uint32_t ndf_, shadowing_;
-  // By index, plane and node, and by index, plane and row. NaN: not yet known; threads that race store the
-  // same number.
-  std::unique_ptr<std::atomic<double>[]> nodes_, means_;
+  // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate. NaN:
+  // not yet known; threads that race store the same number.
+  std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_;
 };
+
+/// How much the tables count for the base of an interface of this roughness, against the reflectance of a
+/// smooth one.
+double cover_share(double roughness);
 
 }  // namespace regulus::reference

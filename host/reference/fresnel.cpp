@@ -47,7 +47,10 @@ SpecularDielectric SpecularDielectric::make(double eta, double specular, const d
 
 dvec3 SpecularDielectric::remap(double exact, double eta) const {
   const double normal = fresnel_normal_incidence(eta);
-  const double position = (exact - normal) / (1 - normal);
+  return at_position((exact - normal) / (1 - normal));
+}
+
+dvec3 SpecularDielectric::at_position(double position) const {
   // Above n = 2 + sqrt(3) the exact curve dips below normal incidence near Brewster's angle.
   const double darkest = std::min({f0.x, f0.y, f0.z});
   const double lowest = -darkest / std::max(f90 - darkest, 1e-6);

@@ -29,6 +29,9 @@ struct SpecularDielectric {
   /// The mapping for a relative index `eta` (either side of the interface gives the same).
   static SpecularDielectric make(double eta, double specular, const glm::dvec3& specular_color);
 
+  /// Reflectance at a Fresnel position, from 0 at normal incidence to 1 at grazing.
+  glm::dvec3 at_position(double position) const;
+
   /// Maps an exact reflectance (or an average of such) for index `eta`.
   glm::dvec3 remap(double exact, double eta) const;
 

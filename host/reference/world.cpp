@@ -45,11 +45,13 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
     if (is_new) entry->second = fresnel_dielectric_average(material.ior);
     fresnel_average_.push_back(entry->second);
   }
-  if (!compensates_energy) return;
+  const bool has_rough_bases = (scene::find_features(scene).bits & FEATURE_ROUGH_BASE) != 0;
+  if (!compensates_energy && !has_rough_bases) return;
   std::vector<float> indices;
   indices.reserve(average.size());
   for (const auto& [ior, mean] : average) indices.push_back(ior);
   energy_ = std::make_unique<const EnergyTables>(std::move(indices), ndf, shadowing);
+  compensates_energy_ = compensates_energy;
 }
 
 Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
@@ -190,7 +192,8 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   p.shadowing = shadowing_;
   p.fresnel_average = fresnel_average_[surface.material];
   // Without a specular lobe there is no interface to compensate for.
-  if (material.material_class != MATERIAL_CLASS_DIFFUSE) p.energy = energy_.get();
+  if (material.material_class != MATERIAL_CLASS_DIFFUSE)
+    (compensates_energy_ ? p.energy : p.cover) = energy_.get();
   return Bsdf(p);
 }
 

@@ -99,7 +99,8 @@ class World {
   double radius_;
   bool has_smooth_normals_;
   std::vector<double> fresnel_average_;         // by material
-  std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated
+  bool compensates_energy_ = false;
+  std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated, or some base has a rough cover
 };
 
 }  // namespace regulus::reference

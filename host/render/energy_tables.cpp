@@ -61,6 +61,29 @@ void add_means(std::vector<float>& words, size_t plane, size_t means, bool is_by
   }
 }
 
+// A roughness that diffuse bases lie under is looked up from inside too where light gets there.
+bool may_show_inside(const Material& material) {
+  return material.material_class == MATERIAL_CLASS_TRANSMISSIVE && (material.flags & MATERIAL_VOLUME) != 0 &&
+         (material.transmission < 1 || material.transmission_texture != INVALID_INDEX);
+}
+
+// Means of a cover's rows, whose nodes are linear in u = sqrt(cos): 2 int f cos dcos = int f 4 u^3 du.
+void add_cover_means(std::vector<float>& words, size_t side) {
+  const auto power = [](double x, int n) { return std::pow(x, n); };
+  for (uint32_t row = 0; row < COVER_ROWS; ++row)
+    for (size_t word = 0; word < 2; ++word) {
+      double sum = 0;
+      for (uint32_t node = 0; node + 1 < ENERGY_NODES; ++node) {
+        const size_t here = side + 2 * (size_t{row} * ENERGY_NODES + node) + word;
+        const double a = fraction(node), b = fraction(node + 1);
+        const double fourth = power(b, 4) - power(a, 4), fifth = power(b, 5) - power(a, 5);
+        const double slope = (double{words[here + 2]} - words[here]) / (b - a);
+        sum += words[here] * fourth + slope * (0.8 * fifth - a * fourth);
+      }
+      words[side + 2 * (COVER_NODES + size_t{row}) + word] = static_cast<float>(sum);
+    }
+}
+
 }  // namespace
 
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>& materials,
@@ -73,27 +96,41 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
                             stage_spirv(device, "energy_tables"),
                             {{SPEC_NDF, settings.ndf}, {SPEC_SHADOWING, settings.shadowing}}});
   // One submission each: together they might take too long for a watchdog.
-  const auto fill = [&](size_t plane, uint32_t quantity, float ior) {
+  const auto fill = [&](size_t first, uint32_t quantity, float ior) {
     gpu::CommandList commands(device);
-    const EnergyArguments arguments{device_address(tables.address()), static_cast<uint32_t>(plane), quantity,
+    const EnergyArguments arguments{device_address(tables.address()), static_cast<uint32_t>(first), quantity,
                                     ior};
-    commands.dispatch(kernel, gpu::bytes_of(arguments), ENERGY_PLANE_WORDS / WORKGROUP_SIZE);
+    const uint32_t nodes = quantity >= ENERGY_COVER_OUT ? COVER_NODES : ENERGY_PLANE_WORDS;
+    commands.dispatch(kernel, gpu::bytes_of(arguments), nodes / WORKGROUP_SIZE);
     gpu::Submission submission = device.submit(std::move(commands));
     device.wait(submission);
   };
-  fill(ENERGY_COMMON, ENERGY_REFLECTED, 1.5f);
-  for (size_t i = 0; i < indices.size(); ++i)
-    for (const uint32_t quantity : {ENERGY_FRESNEL, ENERGY_SCATTERED_OUT, ENERGY_SCATTERED_IN})
-      fill(ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS + (quantity - 1) * ENERGY_PLANE_WORDS, quantity,
-           indices[i]);
+  const auto first_of = [](size_t i) { return ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS; };
+  if (settings.has_energy_compensation) {
+    fill(ENERGY_COMMON, ENERGY_REFLECTED, 1.5f);
+    for (size_t i = 0; i < indices.size(); ++i)
+      for (const uint32_t quantity : {ENERGY_FRESNEL, ENERGY_SCATTERED_OUT, ENERGY_SCATTERED_IN})
+        fill(first_of(i) + (quantity - 1) * ENERGY_PLANE_WORDS, quantity, indices[i]);
+  } else {
+    const bool has_inside = std::ranges::any_of(materials, may_show_inside);
+    for (size_t i = 0; i < indices.size(); ++i) {
+      fill(first_of(i) + ENERGY_COVERS, ENERGY_COVER_OUT, indices[i]);
+      if (has_inside) fill(first_of(i) + ENERGY_COVERS + COVER_SIDE_WORDS, ENERGY_COVER_IN, indices[i]);
+    }
+  }
 
   std::vector<float> words = gpu::download_all<float>(device, tables, count);
   words[0] = std::bit_cast<float>(static_cast<uint32_t>(indices.size()));
   std::ranges::copy(indices, words.begin() + ENERGY_INDICES);
-  add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
+  if (settings.has_energy_compensation) add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
   for (size_t i = 0; i < indices.size(); ++i) {
-    const size_t first = ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS;
-    add_means(words, first, first + 3 * ENERGY_PLANE_WORDS, false);
+    const size_t first = first_of(i);
+    if (settings.has_energy_compensation) {
+      add_means(words, first, first + 3 * ENERGY_PLANE_WORDS, false);
+    } else {
+      for (const size_t side : {size_t{0}, size_t{COVER_SIDE_WORDS}})
+        add_cover_means(words, first + ENERGY_COVERS + side);
+    }
   }
   device.upload(tables, 0, gpu::bytes_of(words));
   return tables;

@@ -1,5 +1,5 @@
-// The tables of energy compensation (shaders/lib/energy.glsl) of a scene, made on the device when they are
-// asked for.
+// The tables of what rough interfaces reflect, of a scene, made on the device: for energy compensation
+// (shaders/lib/energy.glsl), or for diffuse bases under rough dielectrics (shaders/lib/cover.glsl).
 #pragma once
 
 #include <vector>
@@ -10,7 +10,8 @@
 
 namespace regulus::render {
 
-/// Integrates the tables for the interfaces of these materials under settings.ndf and settings.shadowing.
+/// Integrates the tables for the interfaces of these materials under settings.ndf and settings.shadowing:
+/// with settings.has_energy_compensation those of energy compensation, otherwise the covers of diffuse bases.
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<interface::Material>& materials,
                                const RenderSettings& settings);
 

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "interface/energy.h"
 #include "interface/wavefront.h"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
@@ -65,8 +66,20 @@ void find_sharpest_lobes(const Scene& scene, const interface::Material& material
                  roughness * roughness * (material.ior - 1) / std::max(material.ior, 1.0f));
 }
 
+/// True if a diffuse base lies under an interface so rough that its own albedo counts (lib/cover.glsl).
+bool has_rough_base(const Scene& scene, const interface::Material& material) {
+  if (material.material_class == interface::MATERIAL_CLASS_DIFFUSE || material.specular == 0) return false;
+  const bool may_diffuse = (material.metallic < 1 || material.metallic_roughness_texture != INVALID_INDEX) &&
+                           (material.transmission < 1 || material.transmission_texture != INVALID_INDEX);
+  float roughness = material.anisotropy > 0 ? 1 : material.roughness;
+  if (material.anisotropy == 0 && material.metallic_roughness_texture != INVALID_INDEX)
+    roughness *= roughness_range(scene, scene.textures[material.metallic_roughness_texture]).second;
+  return may_diffuse && roughness > 0.01f * interface::COVER_BEGIN_HUNDREDTHS;
+}
+
 uint32_t material_features(const Scene& scene, const interface::Material& material) {
   uint32_t bits = specular_features(scene, material);
+  if (has_rough_base(scene, material)) bits |= interface::FEATURE_ROUGH_BASE;
   for (const uint32_t texture :
        {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
@@ -135,6 +148,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_DIRECTIONAL_LIGHTS, "directional_lights", "sampling of directional lights"},
       FeatureDescription{FEATURE_ROUGH_SPECULAR, "rough_specular",
                          "evaluation and sampling of microfacet lobes"},
+      FeatureDescription{FEATURE_ROUGH_BASE, "rough_base",
+                         "what rough dielectrics leave to their diffuse base, and its tables"},
       FeatureDescription{FEATURE_DELTA_SPECULAR, "delta_specular", "perfect mirrors and smooth glass"},
       FeatureDescription{FEATURE_ABSORPTION, "absorption", "media along the path and their transmittance"},
       FeatureDescription{FEATURE_MANY_LIGHTS, "many_lights", "the choice among lights"},

@@ -10,7 +10,8 @@
 //   refraction    (1-m) t base (1 - F_d) D G2 |wo.h| |wi.h| eta^2 / (cos_o cos_i (wo.h + eta wi.h)^2)
 //                 Walter et al. 2007, eq. 21; a radiance walk divides by eta^2
 //   thin-walled   the reflection lobe mirrored at the surface, with (1-m) t base (1 - F_d)
-//   diffuse       (1-m)(1-t) base / pi (1 - F_d(cos_o)) (1 - F_d(cos_i)) / (1 - F_d,avg)
+//   diffuse       (1-m)(1-t) base / pi (1 - E(wo)) (1 - E(wi)) / (1 - E_avg)      E: F_d(cos), of rough interfaces
+//                 their own albedo (lib/cover.glsl)
 //
 // Under a clearcoat of weight c, with T(w) = 1 - c F_c(cos_w) on the coated side and 1 on the other:
 //   T(wo) T(wi) (all of the above) + c F_c(wo.h) D_c G2_c / (4 cos_o cos_i),  F_c = Schlick from 0.04
@@ -142,17 +143,17 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   // The reverse walk of a refraction starts on the other side of the interface.
   float excess_i = facet.is_refracted ? -bsdf.excess * bsdf.inverse_eta_squared : bsdf.excess;
-  vec2 s_o = fresnel_position(bsdf, cos_o, refracted_g(cos_o, bsdf.excess), bsdf.excess);
-  vec2 s_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, excess_i), excess_i);
+  vec3 passage_o = base_passage(bsdf, cos_o, bsdf.excess);
+  vec3 passage_i = base_passage(bsdf, cos_i, excess_i);
+  vec2 s_o = passage_o.xy, s_i = passage_i.xy;
   float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
   float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
-  vec2 passed_o = s_o, passed_i = s_i;
   if (compensates_energy()) {
-    passed_o = rough_position(bsdf, cos_o, s_o);
-    passed_i = rough_position(bsdf, cos_i, s_i);
+    passage_o = vec3(rough_position(bsdf, cos_o, s_o), 0.0);
+    passage_i = vec3(rough_position(bsdf, cos_i, s_i), 0.0);
   }
   lobes.diffuse =
-      bsdf.diffuse * dielectric_transmittance(bsdf, passed_o) * dielectric_transmittance(bsdf, passed_i) * same_side;
+      bsdf.diffuse * base_transmittance(bsdf, passage_o) * base_transmittance(bsdf, passage_i) * same_side;
   lobes.diffuse_forward = diffuse_o * cos_i * same_side;
   lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
@@ -360,9 +361,9 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, floa
   eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position)) * reflect_i;
   if (bsdf_has_coat()) {
     vec2 position_o = event.position, position_i = event.position;
-    if (bsdf_has_coat_normal() && is_coat && bsdf.is_coat_turned) {
-      position_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
-      position_i = fresnel_position(bsdf, cos_i, refracted_g(cos_i, bsdf.excess), bsdf.excess);
+    if (is_coat && (has_rough_base() || (bsdf_has_coat_normal() && bsdf.is_coat_turned))) {
+      position_o = base_passage(bsdf, wo.z, bsdf.excess).xy;
+      position_i = base_passage(bsdf, cos_i, bsdf.excess).xy;
     }
     add_coat_to_delta(bsdf, wo, event, is_coat, transport, position_o, position_i, eval);
   }
@@ -382,7 +383,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   bool is_delta = false;
   BsdfEval delta;
   if (bsdf_has_specular()) {
-    vec2 s_o = fresnel_position(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
+    vec2 s_o = base_passage(bsdf, wo.z, bsdf.excess).xy;
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
     float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, coat_cosine(bsdf, wo), s_o).x : 0.0;
     is_coat = bsdf_has_coat() && u_lobe < coat_o;

@@ -3,7 +3,7 @@
 #ifndef REGULUS_LIB_BSDF_PARAMETERS_GLSL
 #define REGULUS_LIB_BSDF_PARAMETERS_GLSL
 
-#include "lib/energy.glsl"
+#include "lib/cover.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/ndf.glsl"
 #include "lib/sampling.glsl"
@@ -21,6 +21,8 @@
 
 #define compensates_energy() \
   (spec_energy_compensation * spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
+#define has_rough_base() \
+  ((1u - spec_energy_compensation) * spec_material_class * (spec_features & FEATURE_ROUGH_BASE) != 0u)
 
 // Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
 const float MIN_ALPHA = 1e-7;
@@ -57,8 +59,9 @@ struct Bsdf {
   vec2 coat_alpha;       // 0: delta
   vec3 coat_normal;      // local, on the side of wo; only with bsdf_has_coat_normal(), as is
   bool is_coat_turned;   // MATERIAL_COAT_NORMAL: it is another than z
-  EnergyTables energy;   // only with compensates_energy(), as is
-  bool is_solid;         // it refracts
+  EnergyTables energy;   // only with compensates_energy() or has_rough_base()
+  bool is_solid;         // it refracts; only with compensates_energy()
+  float cover;           // share of the rough interface's own albedo in what the base gets (lib/cover.glsl)
 };
 
 // Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
@@ -78,6 +81,30 @@ vec3 dielectric_transmittance(Bsdf bsdf, vec2 position) {
 vec3 interface_reflectance(Bsdf bsdf, vec2 position, float k) {
   return bsdf.metal + k * (bsdf.metallic - bsdf.metal) +
          (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position);
+}
+
+// What the interface does to light between a direction with cosine c and the diffuse base, seen from the side that `excess`
+// is of: the Fresnel position (s, 1 - s) of the light that it reflects, and how much it loses between its facets.
+vec3 base_passage(Bsdf bsdf, float c, float excess) {
+  vec2 position = fresnel_position(bsdf, c, refracted_g(c, excess), excess);
+  if (!has_rough_base() || !(bsdf.cover > 0.0)) return vec3(position, 0.0);
+  vec2 albedo = cover_albedo(bsdf.energy, c, excess < 0.0);
+  albedo.y = clamp(albedo.y, bsdf.min_position, 1.0);
+  return vec3(mix(position, vec2(albedo.y, 1.0 - albedo.y), bsdf.cover), bsdf.cover * (1.0 - albedo.x));
+}
+
+// What of it reaches the base: 1 - E.
+vec3 base_transmittance(Bsdf bsdf, vec3 passage) {
+  return dielectric_transmittance(bsdf, passage.xy) + passage.z * bsdf.f0;
+}
+
+// Mean of the smooth interface's transmittance over all directions of the side that the bsdf is seen from. On its dense side
+// 1 - F_avg is 1 / eta^2 of that on the other: both count the same light.
+vec3 mean_transmittance(Bsdf bsdf, float ior) {
+  float rest = 1.0 - fresnel_mean_position(abs(ior - 1.0) / (ior + 1.0));
+  if (bsdf.excess < 0.0) rest /= bsdf.inverse_eta_squared;
+  vec3 range = bsdf.f90 - bsdf.f0;
+  return max((1.0 - bsdf.f90) + min(rest, 1.0 - bsdf.min_position) * range, vec3(1e-6));
 }
 
 float reflected_luminance(Bsdf bsdf, vec2 position, float k) {
@@ -157,6 +184,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
     bsdf.coat_alpha = vec2(0.0);
     bsdf.coat_normal = vec3(0.0, 0.0, 1.0);
     bsdf.is_coat_turned = false;
+    bsdf.cover = 0.0;
     return bsdf;
   }
   float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
@@ -197,9 +225,8 @@ Bsdf make_bsdf(Material material, bool is_front) {
   bsdf.min_position = -darkest / max(bsdf.f90 - darkest, 1e-6);
 
   vec3 albedo = (1.0 - transmission) * dielectric;
-  float mean_position = max(fresnel_mean_position(x), bsdf.min_position);
-  vec3 mean_transmittance = (1.0 - bsdf.f90) + (1.0 - mean_position) * range;
-  bsdf.diffuse = albedo / max(mean_transmittance, 1e-6);
+  bsdf.diffuse = albedo / mean_transmittance(bsdf, ior);
+  bsdf.cover = 0.0;
 
   float dielectric_share = 1.0 - bsdf.metallic;
   bsdf.diffuse_luminance = vec2((1.0 - bsdf.f90) * dot(albedo, LUMINANCE), dot(albedo * range, LUMINANCE));
@@ -216,12 +243,22 @@ Bsdf make_bsdf(Material material, bool is_front) {
 void compensate_energy(DeviceAddress tables, Material material, inout Bsdf bsdf) {
   bsdf.energy = find_energy_tables(tables, material.ior, bsdf.alpha);
   bsdf.is_solid = bsdf_has_transmission() && material.transmission > 0.0 && !bsdf.is_thin;
-  vec3 range = bsdf.f90 - bsdf.f0;
-  float mean_position = fresnel_mean_position((material.ior - 1.0) / (material.ior + 1.0));
-  float passed = 1.0 - max(mean_position, bsdf.min_position);
-  vec3 smooth_mean = max((1.0 - bsdf.f90) + passed * range, vec3(1e-6));
-  vec3 rough_mean = max((1.0 - bsdf.f90) + (passed - energy_fresnel_mean(bsdf.energy)) * range, vec3(1e-6));
+  if (bsdf.excess < 0.0) return;  // as rough_position
+  vec3 smooth_mean = mean_transmittance(bsdf, material.ior);
+  vec3 rough_mean = max(smooth_mean - energy_fresnel_mean(bsdf.energy) * (bsdf.f90 - bsdf.f0), vec3(1e-6));
   bsdf.diffuse *= smooth_mean / rough_mean;
+}
+
+// Lets the diffuse lobe have what the interface passes by its own albedo (lib/cover.glsl). Uses the material's own alpha,
+// whatever its lobes are raised to: the base's light is a function of the path.
+void cover_base(DeviceAddress tables, Material material, inout Bsdf bsdf) {
+  if (!(max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0)) return;
+  bsdf.energy = find_energy_tables(tables, max(material.ior, 1.0 / material.ior), bsdf.alpha);
+  bsdf.cover = cover_share(bsdf.energy.roughness);
+  vec2 albedo = cover_mean(bsdf.energy, bsdf.excess < 0.0);
+  vec3 smooth_mean = mean_transmittance(bsdf, material.ior);
+  vec3 passed = dielectric_transmittance(bsdf, vec2(albedo.y, 1.0 - albedo.y)) + (1.0 - albedo.x) * bsdf.f0;
+  bsdf.diffuse *= smooth_mean / mix(smooth_mean, max(passed, vec3(1e-6)), bsdf.cover);
 }
 
 // Mean Fresnel position of a rough surface's facets, for a smooth one's position in that direction.

@@ -111,6 +111,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.bsdf = make_bsdf(point.material, point.is_front);
   if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
   if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);
+  if (has_rough_base()) cover_base(frame.energy_tables, point.material, point.bsdf);
   return point;
 }
 

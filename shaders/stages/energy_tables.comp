@@ -1,10 +1,10 @@
-// energy_tables: one plane of the tables of energy compensation, a node per invocation. Visible normals are drawn by a
-// fixed low-discrepancy sequence: the same table every time.
+// energy_tables: one plane or cover of the tables of what rough interfaces reflect, a node per invocation. Visible normals
+// are drawn by a fixed low-discrepancy sequence: the same table every time.
 // writes  tables
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "interface/energy.h"
-#include "lib/buffers.glsl"
+#include "lib/cover.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/microfacet.glsl"
 
@@ -23,16 +23,20 @@ float shadowed(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float i_dot_h, float alp
 
 void main() {
   uint node = gl_GlobalInvocationID.x;
-  if (node >= ENERGY_PLANE_WORDS) return;
+  bool is_cover = arguments.quantity >= ENERGY_COVER_OUT;
+  if (node >= (is_cover ? COVER_NODES : ENERGY_PLANE_WORDS)) return;
   vec2 position = vec2(node % ENERGY_NODES, node / ENERGY_NODES) / float(ENERGY_NODES - 1u);
-  float alpha = max(square(position.y), LEAST_ALPHA);
+  float roughness = is_cover ? cover_roughness(node / ENERGY_NODES) : position.y;
+  float alpha = max(square(roughness), LEAST_ALPHA);
   float cos_o = max(position.x, LEAST_POSITION);
-  if (arguments.quantity != ENERGY_FRESNEL && position.x < 1.0) {
+  if (is_cover) {
+    cos_o = square(cos_o);
+  } else if (arguments.quantity != ENERGY_FRESNEL && position.x < 1.0) {
     float cotangent = alpha * cos_o / (1.0 - cos_o);
     cos_o = cotangent * inversesqrt(1.0 + square(cotangent));
   }
   vec3 wo = vec3(safe_sqrt((1.0 - cos_o) * (1.0 + cos_o)), 0.0, cos_o);
-  bool is_inside = arguments.quantity == ENERGY_SCATTERED_IN;
+  bool is_inside = arguments.quantity == ENERGY_SCATTERED_IN || arguments.quantity == ENERGY_COVER_IN;
   float excess = (arguments.ior - 1.0) * (arguments.ior + 1.0);
   if (is_inside) excess /= -square(arguments.ior);
   float inverse_eta = is_inside ? arguments.ior : 1.0 / arguments.ior;
@@ -58,6 +62,12 @@ void main() {
     vec3 refracted = -inverse_eta * (wo + (excess / max(c + g, MIN_COS)) * facet.h);
     if (g > 0.0 && refracted.z < 0.0)
       transmitted += (1.0 - fresnel) * shadowed(wo, refracted, facet.h, c, g * inverse_eta, alpha, true);
+  }
+  if (is_cover) {
+    float positions = (weighted - f0 * reflected) / (1.0 - f0);
+    STORE(FloatBuffer, arguments.tables, arguments.plane + 2u * node, reflected / float(POINTS));
+    STORE(FloatBuffer, arguments.tables, arguments.plane + 2u * node + 1u, positions / float(POINTS));
+    return;
   }
   float value = reflected / float(POINTS);
   if (arguments.quantity == ENERGY_FRESNEL) {

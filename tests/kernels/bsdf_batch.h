@@ -18,8 +18,9 @@ struct BsdfCase {
   vec3 wi;        // evaluation only
   float u_lobe;   // sampling only
   vec2 u;         // sampling only
+  DeviceAddress tables;  // covers of diffuse bases (interface/energy.h); zero: as under smooth interfaces
 };
-REGULUS_LAYOUT(BsdfCase, 212);
+REGULUS_LAYOUT(BsdfCase, 220);
 
 struct BsdfEvaluated {
   vec3 value;

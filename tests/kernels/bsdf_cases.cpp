@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+
+#include "render/energy_tables.hpp"
 
 namespace regulus::test_kernels {
 std::span<const uint32_t> spirv(std::string_view name);
@@ -32,6 +35,13 @@ struct Inputs {
   TransportMode mode;
 };
 
+/// Tables of the reference for interfaces of index 1.5.
+const reference::EnergyTables* covers_of(const Model& model) {
+  static std::map<std::pair<uint32_t, uint32_t>, reference::EnergyTables> all;
+  return &all.try_emplace({model.ndf, model.shadowing}, std::vector<float>{1.5f}, model.ndf, model.shadowing)
+              .first->second;
+}
+
 Inputs inputs_of(const BsdfCase& c, const Model& model) {
   const Material& m = c.material;
   BsdfParameters p;
@@ -47,6 +57,7 @@ Inputs inputs_of(const BsdfCase& c, const Model& model) {
   p.clearcoat = m.clearcoat;
   p.coat_alpha = glm::dvec2(double{m.clearcoat_roughness * m.clearcoat_roughness});
   p.is_volume = (m.flags & MATERIAL_VOLUME) != 0;
+  if (c.tables != DeviceAddress(0)) p.cover = covers_of(model);
   return {p, mirrored_if_back(dvec3(c.wo), c), mirrored_if_back(dvec3(c.wi), c),
           c.mode == 0 ? TransportMode::Radiance : TransportMode::Importance};
 }
@@ -285,6 +296,13 @@ std::vector<BsdfCase> extreme_cases(uint32_t material_class) {
       }
   }
   return cases;
+}
+
+gpu::Buffer cover_tables(const Model& model) {
+  render::RenderSettings settings;
+  settings.ndf = model.ndf;
+  settings.shadowing = model.shadowing;
+  return render::make_energy_tables(*device(), {plain_material(Kind::Mixed, 1)}, settings);
 }
 
 gpu::Kernel create_kernel(std::string_view name, const Model& model) {

@@ -71,6 +71,10 @@ Evaluation conditioning(const interface::BsdfCase& c, const Model& model, double
 /// incidence, half vectors at the horizon, indices next to 1 and far from it, the critical angle.
 std::vector<interface::BsdfCase> extreme_cases(uint32_t material_class);
 
+/// Covers of diffuse bases for interfaces of index 1.5, from outside and inside: BsdfCase::tables is their
+/// address.
+gpu::Buffer cover_tables(const Model& model);
+
 /// The kernel `name` of tests/kernels, specialized.
 gpu::Kernel create_kernel(std::string_view name, const Model& model);
 

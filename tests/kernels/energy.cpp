@@ -52,6 +52,7 @@ std::vector<glm::vec3> albedos(const Model& model, Material material, bool is_fr
   render::RenderSettings settings;
   settings.ndf = model.ndf;
   settings.shadowing = model.shadowing;
+  settings.has_energy_compensation = is_compensated;
   const gpu::Buffer tables = render::make_energy_tables(*device(), {material}, settings);
   std::vector<EnergyCase> cases;
   for (const float roughness : ROUGHNESS)

@@ -1,4 +1,4 @@
-// energy_albedo: what a compensated surface sends towards a direction in light of radiance 1 from everywhere, by a fixed
+// energy_albedo: what a surface, compensated or with a covered base, sends towards a direction in light of radiance 1 from everywhere, by a fixed
 // sequence of `parameter` samples.
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -23,6 +23,7 @@ void main() {
   EnergyCase c = LOAD(EnergyCaseBuffer, inputs, index);
   Bsdf bsdf = make_bsdf(c.material, c.is_front != 0u);
   if (compensates_energy()) compensate_energy(c.tables, c.material, bsdf);
+  if (has_rough_base()) cover_base(c.tables, c.material, bsdf);
   vec3 wo = vec3(safe_sqrt((1.0 - c.cosine) * (1.0 + c.cosine)), 0.0, c.cosine);
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < parameter; ++i) {
