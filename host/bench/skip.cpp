@@ -60,6 +60,11 @@ class Speck {
     material().material_class = MATERIAL_CLASS_OPAQUE;
     return material();
   }
+  /// All vertex normals, alike.
+  void tilt(const glm::vec3& normal) {
+    for (size_t i = scene_.vertices.size() - 3; i < scene_.vertices.size(); ++i)
+      scene_.vertices[i].normal = glm::normalize(normal);
+  }
   /// One white texel.
   uint32_t texture(uint32_t flags = 0) {
     Texture texture{};
@@ -123,7 +128,11 @@ const std::map<uint32_t, Addition>& additions() {
          material.absorption = glm::vec3(1);
          material.material_class = MATERIAL_CLASS_TRANSMISSIVE;
        }},
-      {FEATURE_SMOOTH_NORMALS, [](Speck& s) { s.vertex().normal = glm::normalize(glm::vec3(0.1F, 0, 1)); }},
+      {FEATURE_SMOOTH_NORMALS,
+       [](Speck& s) {
+         s.tilt({0.1F, 0, 1});
+       }},
+      {FEATURE_BULGES, [](Speck& s) { s.vertex().normal = glm::normalize(glm::vec3(0, 0.1F, 1)); }},
       {FEATURE_VERTEX_COLORS,
        [](Speck& s) { s.scene().vertex_colors.resize(s.scene().vertices.size(), glm::vec4(1)); }},
       {FEATURE_NORMAL_MAPS,

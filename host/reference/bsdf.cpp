@@ -59,7 +59,8 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
   diffuse_albedo_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color;
   if (const EnergyTables* tables = parameters.energy != nullptr ? parameters.energy : parameters.cover)
     energy_index_ = tables->nearest(std::max(parameters.ior, 1 / parameters.ior));
-  if (parameters.cover != nullptr && diffuse_albedo_ != dvec3(0)) cover_share_ = cover_share(energy_roughness_);
+  if (parameters.cover != nullptr && diffuse_albedo_ != dvec3(0))
+    cover_share_ = cover_share(energy_roughness_);
   parameters_.fresnel_average =
       parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
   for (const bool is_back : {false, true})
@@ -81,6 +82,12 @@ Bsdf Bsdf::with_coat_alpha(const dvec2& alpha) const {
 Bsdf Bsdf::with_coat_normal(const dvec3& normal) const {
   Bsdf other = *this;
   other.parameters_.coat_normal = normal;
+  return other;
+}
+
+Bsdf Bsdf::in_relief_shadow() const {
+  Bsdf other = *this;
+  other.is_in_relief_shadow_ = true;
   return other;
 }
 
@@ -133,7 +140,8 @@ dvec3 Bsdf::base_reflectance(double cosine, double eta) const {
 dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
   if (parameters_.energy != nullptr && eta >= 1) {
     const double further = parameters_.energy->fresnel(energy_index_, cosine, energy_roughness_);
-    return 1.0 - dielectric_.remap(fresnel_dielectric(cosine, eta) + further * (1 - fresnel_normal_incidence(eta)), eta);
+    return 1.0 - dielectric_.remap(
+                     fresnel_dielectric(cosine, eta) + further * (1 - fresnel_normal_incidence(eta)), eta);
   }
   dvec3 passed = 1.0 - base_reflectance(cosine, eta);
   if (cover_share_ > 0) {
@@ -143,15 +151,16 @@ dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
   return passed;
 }
 
-/// The light that passes an interface is the same from both sides: 1 - F_avg at the back is 1 / n^2 of that at
-/// the front.
+/// The light that passes an interface is the same from both sides: 1 - F_avg at the back is 1 / n^2 of that
+/// at the front.
 dvec3 Bsdf::mean_transmittance(bool is_back) const {
   const double eta = is_back ? 1 / parameters_.ior : parameters_.ior;
   const double front = *parameters_.fresnel_average;
   const double average = is_back ? 1 - (1 - front) * eta * eta : front;
   dvec3 passed = 1.0 - dielectric_.remap(average, eta);
   if (parameters_.energy != nullptr && eta >= 1)
-    passed -= parameters_.energy->fresnel_mean(energy_index_, energy_roughness_) * (dielectric_.f90 - dielectric_.f0);
+    passed -= parameters_.energy->fresnel_mean(energy_index_, energy_roughness_) *
+              (dielectric_.f90 - dielectric_.f0);
   if (cover_share_ > 0) {
     const dvec2 mean = parameters_.cover->cover_mean(energy_index_, energy_roughness_, eta < 1);
     const dvec3 rough = 1.0 - mean.x * dielectric_.f0 - mean.y * (dielectric_.f90 - dielectric_.f0);
@@ -172,7 +181,9 @@ double Bsdf::reflection_probability(double cos_facet, double eta) const {
 }
 
 dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
-  return diffuse_scale_[eta != parameters_.ior] * diffuse_transmittance(wi.z, eta) * diffuse_transmittance(wo.z, eta);
+  if (is_in_relief_shadow_) return dvec3(0);
+  return diffuse_scale_[eta != parameters_.ior] * diffuse_transmittance(wi.z, eta) *
+         diffuse_transmittance(wo.z, eta);
 }
 
 /// D G2 / (4 cos_i cos_o), both directions above the surface.
@@ -295,7 +306,7 @@ double Bsdf::base_pdf(const dvec3& wo_material, const dvec3& wi_material) const 
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
   if (wo.z == 0 || wi.z == 0) return 0;
   const double p_diffuse = diffuse_probability(wo_material);
-  const double cosine = wi.z > 0 ? p_diffuse * wi.z / pi : 0;
+  const double cosine = wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * wi.z / pi : 0;
   if (is_delta()) return cosine;
   if (wi.z < 0 && parameters_.transmission == 0) return 0;
   if (wi.z < 0 && parameters_.is_volume) return (1 - p_diffuse) * refraction_pdf(wo, wi, eta);

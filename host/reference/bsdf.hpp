@@ -124,6 +124,9 @@ class Bsdf {
   /// The same with another normal of the clearcoat.
   Bsdf with_coat_normal(const glm::dvec3& normal) const;
 
+  /// The same where a relief shadows it: the diffuse lobe is dark, the choice between lobes stays.
+  Bsdf in_relief_shadow() const;
+
   /// The same with a density of facets of 1 in value() and pdf(), see Microsurface::has_unit_density.
   Bsdf with_unit_density() const;
 
@@ -138,8 +141,8 @@ class Bsdf {
   /// Of the interface, for the diffuse lobe: at one direction, and its mean over all of that side.
   glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
   glm::dvec3 mean_transmittance(bool is_back) const;
-  /// F_d as the diffuse base and the choice of lobes see it: of a rough interface by its own albedo, where what
-  /// it loses between facets counts as reflected at normal incidence.
+  /// F_d as the diffuse base and the choice of lobes see it: of a rough interface by its own albedo, where
+  /// what it loses between facets counts as reflected at normal incidence.
   glm::dvec3 base_reflectance(double cosine, double eta) const;
   /// Luminance of what diffuse lobe and facets would reflect or transmit of light from w.
   struct Shares {
@@ -169,7 +172,8 @@ class Bsdf {
   Microsurface surface_;
   Microsurface coat_;
   SpecularDielectric dielectric_;
-  uint32_t energy_index_ = 0;    // of the tables for this index of refraction
+  uint32_t energy_index_ = 0;  // of the tables for this index of refraction
+  bool is_in_relief_shadow_ = false;
   double energy_roughness_ = 0;  // of the material itself, also where a lobe is raised
   double cover_share_ = 0;       // of parameters_.cover in the base's light, likewise
   glm::dvec3 diffuse_albedo_;    // (1 - m) (1 - t) base

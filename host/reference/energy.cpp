@@ -195,8 +195,8 @@ dvec2 EnergyTables::cover(uint32_t index, double cosine, double roughness, bool 
   const Place column = place_of(std::sqrt(std::clamp(cosine, 0.0, 1.0)));
   const Place row = cover_row(roughness);
   const auto along = [&](uint32_t r) {
-    return glm::mix(cover_node(index, is_inside, column.node, r), cover_node(index, is_inside, column.node + 1, r),
-                    column.rest);
+    return glm::mix(cover_node(index, is_inside, column.node, r),
+                    cover_node(index, is_inside, column.node + 1, r), column.rest);
   };
   return glm::mix(along(row.node), along(row.node + 1), row.rest);
 }

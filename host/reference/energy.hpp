@@ -57,8 +57,8 @@ class EnergyTables {
 
   std::vector<float> indices_;
   uint32_t ndf_, shadowing_;
-  // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate. NaN:
-  // not yet known; threads that race store the same number.
+  // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate.
+  // NaN: not yet known; threads that race store the same number.
   std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_;
 };
 

@@ -135,9 +135,11 @@ double tree_probability(const World& world, const Receiver& receiver, uint32_t l
 
 Receiver receiver_at(const World& world, const Surface& surface, const dvec3& w_light) {
   Receiver receiver{surface.position};
-  if (world.scene().materials[surface.material].material_class != MATERIAL_CLASS_TRANSMISSIVE)
-    receiver.normal =
-        dot(w_light, surface.geometric_normal) > 0 ? surface.geometric_normal : -surface.geometric_normal;
+  if (world.scene().materials[surface.material].material_class != MATERIAL_CLASS_TRANSMISSIVE) {
+    const double side = dot(w_light, surface.geometric_normal) > 0 ? 1 : -1;
+    // Where a surface bulges the shading normal decides about light.
+    receiver.normal = side * (side * surface.bulge > 0 ? surface.shading_normal : surface.geometric_normal);
+  }
   return receiver;
 }
 

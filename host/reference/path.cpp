@@ -21,31 +21,32 @@ double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3
   return 1 / (eta * eta);
 }
 
-/// What regularization makes of the scattering between two directions, of the first of which the normals
-/// agree.
+/// What regularization makes of the scattering between two directions, the first of which the bsdf sees as
+/// `seen_light`.
 std::optional<ConnectedScattering> raised_between(const Surface& surface, const Bsdf& bsdf,
-                                                  const dvec3& w_light, const dvec3& w_camera,
-                                                  const BsdfSample* delta,
+                                                  const dvec3& w_light, const dvec3& seen_light,
+                                                  const dvec3& w_camera, const BsdfSample* delta,
                                                   const Regularization& regularization) {
   if (!regularization.is_on) return std::nullopt;
-  const std::optional<RaisedScattering> raised = raise(bsdf, to_material(surface, as_seen(surface, w_camera)),
-                                                       to_material(surface, w_light), delta, regularization);
+  const std::optional<RaisedScattering> raised =
+      raise(bsdf, to_material(surface, as_seen(surface, w_camera)), to_material(surface, seen_light), delta,
+            regularization);
   if (!raised) return std::nullopt;
   return ConnectedScattering{raised->value * normal_correction(surface, w_light), raised->pdf_wo,
                              raised->pdf_wi, true, raised->ratio};
 }
 
 /// The same with the value of a virtual merge, where facets are raised.
-void measure_virtually(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light, const dvec3& w_camera,
-                       const Regularization& regularization, const VirtualTries& tries,
-                       ConnectedScattering& raised) {
+void measure_virtually(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
+                       const dvec3& seen_light, const dvec3& w_camera, const Regularization& regularization,
+                       const VirtualTries& tries, ConnectedScattering& raised) {
   const dvec3 wo = to_material(surface, as_seen(surface, w_camera));
-  const dvec3 wi = to_material(surface, w_light);
+  const dvec3 wi = to_material(surface, seen_light);
   if (!raises_facets(bsdf, wo, wi, regularization)) return;
   const bool is_from_light = tries.is_from_light;
   const SamplingFrame frame(surface, is_from_light ? w_light : w_camera);
   const Bsdf local = frame.bsdf_of(surface, bsdf);
-  const dvec3 local_light = frame.to_local(w_light);
+  const dvec3 local_light = frame.to_local(seen_light);
   const dvec3 local_camera = frame.to_local(as_seen(surface, w_camera));
   const dvec3 facets = is_from_light ? virtual_merge(local, local_light, local_camera,
                                                      TransportMode::Importance, regularization, tries.numbers)
@@ -89,6 +90,7 @@ double geometry_term(const Path& path, size_t i) {
 }
 
 double pdf_from_light(const Path& path, size_t i) {
+  if (path.vertices[i].is_beyond) return 0;
   const Edge& edge = path.edges[i - 1];
   const RayDensity density = i == 1 ? path.light.density : RayDensity{path.vertices[i - 1].forward};
   return density.on_surface(edge.cos_camera_end, edge.distance);
@@ -143,32 +145,50 @@ dvec3 as_seen(const Surface& surface, const dvec3& w) {
   return squared > 0 ? 2 * dot(w, line) / squared * line - w : -w;
 }
 
-VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
+bool is_beyond_horizon(const Surface& surface, const dvec3& w_light, const dvec3& w_camera) {
+  const double side = surface.bulge;
+  return side * dot(w_camera, surface.geometric_normal) > 0 &&
+         side * dot(w_light, surface.geometric_normal) < 0 && side * dot(w_light, surface.shading_normal) > 0;
+}
+
+Lit lit_from(const Surface& surface, const dvec3& w_light, const dvec3& w_camera) {
+  if (sides_agree(surface, w_light)) return {.w = w_light};
+  if (is_beyond_horizon(surface, w_light, w_camera)) return {.is_beyond = true, .w = w_light};
+  if (surface.bulge * dot(w_camera, surface.geometric_normal) > 0) return {.is_dark = true};
+  return {.is_turned = true, .is_in_relief_shadow = surface.has_relief, .w = as_seen(surface, w_light)};
+}
+
+VertexScattering scattering_between(const Surface& surface, const Bsdf& material, const dvec3& w_light,
                                     const dvec3& w_camera, const Regularization& regularization,
                                     const VirtualTries& tries) {
   VertexScattering result;
-  result.diffuses = diffuses(bsdf);
+  result.diffuses = diffuses(material);
   result.is_always_raised = !regularization.has_diffusion;
   result.has_bundle = regularization.has_bundle;
-  if (!sides_agree(surface, w_light)) return result;
-  const dvec3 local_light = to_material(surface, w_light);
+  const Lit lit = lit_from(surface, w_light, w_camera);
+  if (lit.is_dark) return result;
+  result.is_beyond = lit.is_beyond;
+  const Bsdf bsdf = lit.is_in_relief_shadow ? material.in_relief_shadow() : material;
+  const dvec3 local_light = to_material(surface, lit.w);
   const dvec3 local_camera = to_material(surface, as_seen(surface, w_camera));
   result.value =
       bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
-  result.raised = raised_between(surface, bsdf, w_light, w_camera, nullptr, regularization);
+  result.raised = raised_between(surface, bsdf, w_light, lit.w, w_camera, nullptr, regularization);
   if (regularization.is_virtual && result.raised && !tries.numbers.empty())
-    measure_virtually(surface, bsdf, w_light, w_camera, regularization, tries, *result.raised);
+    measure_virtually(surface, bsdf, w_light, lit.w, w_camera, regularization, tries, *result.raised);
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, local_camera, local_light, regularization);
   return result;
 }
 
-VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
+VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& material, const dvec3& w_light,
                                       const dvec3& w_camera, const BsdfSample& sample,
                                       TransportMode transport, const Regularization& regularization) {
-  if (!sample.is_delta) return scattering_between(surface, bsdf, w_light, w_camera, regularization);
+  if (!sample.is_delta) return scattering_between(surface, material, w_light, w_camera, regularization);
+  const Lit lit = lit_from(surface, w_light, w_camera);
+  const Bsdf bsdf = lit.is_in_relief_shadow ? material.in_relief_shadow() : material;
   const double cos_light = std::abs(dot(w_light, surface.shading_normal));
   const double cos_camera = std::abs(dot(w_camera, surface.shading_normal));
   const bool is_refracted = sample.is_transmitted && bsdf.parameters().is_volume;
@@ -179,13 +199,14 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
 
   VertexScattering result;
   result.is_delta = true;
+  result.is_beyond = lit.is_beyond;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;
   result.has_bundle = regularization.has_bundle;
-  result.raised = raised_between(surface, bsdf, w_light, w_camera, &sample, regularization);
+  result.raised = raised_between(surface, bsdf, w_light, lit.w, w_camera, &sample, regularization);
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, to_material(surface, as_seen(surface, w_camera)),
-                                   to_material(surface, w_light), regularization);
+                                   to_material(surface, lit.w), regularization);
   // A clearcoat's own normal may see both at another cosine than the surface does.
   const double cos_sampled = is_radiance || is_refracted ? cos_light : cos_camera;
   result.value = factor / cos_sampled * normal_correction(surface, w_light);

@@ -40,6 +40,7 @@ struct VertexScattering {
   bool is_always_raised = false;  ///< without path diffusion, or by what the camera path's own bundle is
   bool has_bundle = false;        ///< the latter: lights without extent still need a vertex that diffuses
   double bound = 0;               ///< estimator_bound(), if wanted
+  bool is_beyond = false;         ///< see is_beyond_horizon(): no light walk arrives here
   /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
   /// are finite there, its delta being shared by all that can find the path.
   std::optional<ConnectedScattering> raised;
@@ -104,9 +105,8 @@ struct VirtualTries {
   bool is_from_light = false;  ///< from w_light
 };
 
-/// Scattering at a surface between two unit directions that point away from it; non-delta lobes. Zero where
-/// the geometric and the shading normal disagree about the side of either. `tries` only where virtual merges
-/// are measured.
+/// Scattering at a surface between two unit directions that point away from it; non-delta lobes. `tries` only
+/// where virtual merges are measured.
 VertexScattering scattering_between(const Surface& surface, const Bsdf& bsdf, const glm::dvec3& w_light,
                                     const glm::dvec3& w_camera, const Regularization& regularization = {},
                                     const VirtualTries& tries = {});
@@ -141,11 +141,25 @@ struct SamplingFrame {
   Basis basis_;
 };
 
-/// True if both normals see w on the same side. Where they do not, a surface scatters nothing that comes from
-/// w.
+/// True if both normals see w on the same side.
 bool sides_agree(const Surface& surface, const glm::dvec3& w);
 
-/// The direction as which a surface's bsdf sees w, a direction towards the camera: w, or if the normals
+/// True if the surface bulges on the side of w_camera and w_light lies beyond the facet's horizon, but on the
+/// same side of the shading normal: light that reaches the curved surface for which the facet stands.
+bool is_beyond_horizon(const Surface& surface, const glm::dvec3& w_light, const glm::dvec3& w_camera);
+
+/// How light from w_light counts at a surface seen from w_camera. The rule is that of
+/// shaders/lib/shading.glsl.
+struct Lit {
+  bool is_dark = false;              ///< not at all
+  bool is_beyond = false;            ///< see is_beyond_horizon()
+  bool is_turned = false;            ///< half-turned
+  bool is_in_relief_shadow = false;  ///< the diffuse lobe is dark
+  glm::dvec3 w{0};                   ///< w_light as the bsdf sees it
+};
+Lit lit_from(const Surface& surface, const glm::dvec3& w_light, const glm::dvec3& w_camera);
+
+/// The direction as which a surface's bsdf sees w: w, or if the normals
 /// disagree about it, w after a half-turn about the line in which their planes meet, about which they agree.
 /// Its own inverse; keeps solid angles and absolute cosines with both normals.
 glm::dvec3 as_seen(const Surface& surface, const glm::dvec3& w);

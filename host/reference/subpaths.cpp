@@ -60,6 +60,12 @@ double cosine(const Surface& surface, const dvec3& w) {
   return std::abs(dot(w, surface.geometric_normal));
 }
 
+/// The direction from which a camera walk's vertex looks for light that it meets in direction w, see
+/// connection_pdf(): on the side of its camera.
+dvec3 looks_towards(const WalkVertex& vertex, const dvec3& w) {
+  return is_beyond_horizon(vertex.surface, w, vertex.w_back) ? vertex.w_back : w;
+}
+
 }  // namespace
 
 std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& camera, size_t edges) {
@@ -70,8 +76,8 @@ std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& ca
   set_camera_part(sampled.path, camera, edges);
   sampled.path.light = light_end(world, *point, last.w_back);
   if (edges > 1)
-    sampled.path.light.connect_pdf =
-        connection_pdf(world, *point, camera.vertices[edges - 2].surface, -last.w_back);
+    sampled.path.light.connect_pdf = connection_pdf(world, *point, camera.vertices[edges - 2].surface,
+                                                    looks_towards(camera.vertices[edges - 2], -last.w_back));
   if (is_black(sampled.path.light.emitted)) return std::nullopt;
   return sampled;
 }
@@ -89,7 +95,8 @@ std::optional<SampledPath> hit_environment(const World& world, const CameraSubpa
   if (edges > 0) {
     const WalkVertex& last = camera.vertices[edges - 1];
     sampled.path.vertices[1] = last.scattering;
-    sampled.path.light.connect_pdf = connection_pdf(world, *point, last.surface, escape.direction);
+    sampled.path.light.connect_pdf =
+        connection_pdf(world, *point, last.surface, looks_towards(last, escape.direction));
   }
   if (is_black(sampled.path.light.emitted)) return std::nullopt;
   return sampled;
@@ -105,7 +112,7 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   Path& path = sampled.path;
   set_camera_part(path, camera, edges);
   path.light = light_end(world, point, -w);
-  path.light.connect_pdf = connection_pdf(world, point, last.surface, w);
+  path.light.connect_pdf = connection_pdf(world, point, last.surface, looks_towards(last, w));
   path.vertices[1] =
       scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization,
                          tries_of(last.regularization, camera.stream, VIRTUAL_MERGE_AT_CAMERA, edges, 0, 0));
@@ -115,11 +122,12 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   edge.distance = is_distant ? 0 : length(to_light);  // a medium has no far end to measure from
   edge.cos_light_end = point.is_triangle() ? cosine(point.surface, w) : 1;
   edge.cos_camera_end = cosine(last.surface, w);
-  edge.transmittance =
-      world.transmittance(world.medium_towards(last.surface, last.medium, last.w_back, w), edge.distance);
+  const bool is_beyond = path.vertices[1].is_beyond;
+  edge.transmittance = world.transmittance(
+      world.medium_towards(last.surface, last.medium, last.w_back, w, is_beyond), edge.distance);
   const bool is_visible =
-      is_distant ? !world.traversal().is_occluded(world.ray_from(last.surface, w))
-                 : world.is_visible(last.surface, point.surface.position, point.surface.triangle);
+      is_distant ? !world.traversal().is_occluded(world.ray_from(last.surface, w, is_beyond))
+                 : world.is_visible(last.surface, point.surface.position, point.surface.triangle, is_beyond);
   if (!is_visible) return std::nullopt;
   return sampled;
 }
@@ -148,9 +156,11 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   edge.distance = length(segment);
   edge.cos_light_end = cosine(to.surface, w);
   edge.cos_camera_end = cosine(from.surface, w);
-  edge.transmittance =
-      world.transmittance(world.medium_towards(from.surface, from.medium, from.w_back, w), edge.distance);
-  if (!world.is_visible(from.surface, to.surface.position, to.surface.triangle)) return std::nullopt;
+  const bool is_beyond = path.vertices[light_edges + 1].is_beyond;
+  edge.transmittance = world.transmittance(
+      world.medium_towards(from.surface, from.medium, from.w_back, w, is_beyond), edge.distance);
+  if (!world.is_visible(from.surface, to.surface.position, to.surface.triangle, is_beyond))
+    return std::nullopt;
   return sampled;
 }
 
@@ -203,7 +213,7 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
       scattering_between(at.surface, at.bsdf, other.w_back, at.w_back, at.regularization,
                          tries_of(at.regularization, camera.stream, VIRTUAL_MERGE_AT_MERGE, camera_edges,
                                   light_edges, light.stream.index));
-  if (is_dark(path, light_edges, light_edges)) return std::nullopt;
+  if (path.vertices[light_edges].is_beyond || is_dark(path, light_edges, light_edges)) return std::nullopt;
   return sampled;
 }
 

@@ -27,20 +27,29 @@ double index_ahead(const WalkVertex& vertex) {
 }
 
 /// Samples the bsdf in the frame that device and reference share: Basis on the shading normal of the side on
-/// which w_back is. Returns the sample with its wi in world space; invalid where the normals disagree.
+/// which w_back is. Returns the sample with its wi in world space; invalid where no light goes that way.
 BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportMode transport) {
   const Surface& surface = vertex.surface;
-  const bool is_from_camera = transport == TransportMode::Radiance;
-  if (!is_from_camera && !sides_agree(surface, vertex.w_back)) return {};
-  const dvec3 w_back = is_from_camera ? as_seen(surface, vertex.w_back) : vertex.w_back;
   const SamplingFrame frame(surface, vertex.w_back);
   BsdfSample sample =
-      frame.bsdf_of(surface, vertex.bsdf).sample(frame.to_local(w_back), u.x, {u.y, u.z}, transport);
+      frame.bsdf_of(surface, vertex.bsdf)
+          .sample(frame.to_local(as_seen(surface, vertex.w_back)), u.x, {u.y, u.z}, transport);
   if (!sample.is_valid) return {};
   sample.wi = normalize(frame.to_world(sample.wi));
-  if (!is_from_camera) sample.wi = as_seen(surface, sample.wi);
-  if (is_from_camera && !sides_agree(surface, sample.wi)) return {};
+  if (transport == TransportMode::Importance) {
+    sample.wi = as_seen(surface, sample.wi);
+    const Lit lit = lit_from(surface, vertex.w_back, sample.wi);
+    return lit.is_dark || (lit.is_in_relief_shadow && sample.is_diffuse) ? BsdfSample{} : sample;
+  }
+  const Lit lit = lit_from(surface, sample.wi, vertex.w_back);
+  if (lit.is_dark || (lit.is_in_relief_shadow && sample.is_diffuse)) return {};
+  if (lit.is_turned) sample.wi = lit.w;  // the half-turn is its own inverse
   return sample;
+}
+
+/// True if the walk's next ray starts on the curved surface that the facet stands for.
+bool leaves_beyond(const WalkVertex& vertex, TransportMode transport) {
+  return transport == TransportMode::Radiance && vertex.scattering.is_beyond;
 }
 
 // Places of a walk's rays in Rounding, apart from those of its random blocks.
@@ -145,8 +154,10 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
   if (!(u.w < survival)) return false;
   state.throughput *= weight / survival;
   state.survival *= survival;
-  state.medium = world.medium_towards(vertex.surface, vertex.medium, vertex.w_back, sample.wi);
+  state.medium = world.medium_towards(vertex.surface, vertex.medium, vertex.w_back, sample.wi,
+                                      leaves_beyond(vertex, transport));
   state.position = vertex.surface.position;
+  if (leaves_beyond(vertex, transport)) state.position += vertex.surface.rise;
   state.direction = sample.wi;
   return true;
 }
@@ -287,7 +298,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
     footprint = scattered(footprint, reached.sample, side * world.mean_curvature(reached.surface.triangle),
                           index_ahead(reached));
     cos_start = std::abs(dot(state.direction, reached.surface.geometric_normal));
-    ray = world.ray_from(reached.surface, state.direction);
+    ray = world.ray_from(reached.surface, state.direction, leaves_beyond(reached, TransportMode::Radiance));
     start_surface = reached.surface;
     start = &start_surface;
   }

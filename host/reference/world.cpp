@@ -81,19 +81,48 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.material = triangle.material;
   surface.light = triangle.light;
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
-  if (has_smooth_normals_ && dot(sum, sum) > 1e-12)  // normals that cancel say nothing
-    surface.shading_normal = normalize(dot(sum, cross) < 0 ? -sum : sum);
+  if (has_smooth_normals_ && dot(sum, sum) > 1e-12) {  // normals that cancel say nothing
+    const double sign_of_normals = dot(sum, cross) < 0 ? -1 : 1;
+    surface.shading_normal = normalize(sign_of_normals * sum);
+    set_bulge(surface, placed, b, sign_of_normals);
+  }
   const Material& material = scene_.materials[surface.material];
   if ((material.flags & MATERIAL_COAT_NORMAL) != 0)
     surface.coat_normal = material.clearcoat_normal_texture == INVALID_INDEX
                               ? surface.shading_normal
                               : mapped_normal(surface, placed, b, sum, material.clearcoat_normal_texture,
                                               material.clearcoat_normal_scale);
-  if (material.normal_texture != INVALID_INDEX)
+  surface.has_relief = material.normal_texture != INVALID_INDEX;
+  if (surface.has_relief)
     surface.shading_normal =
         mapped_normal(surface, placed, b, sum, material.normal_texture, material.normal_scale);
   set_anisotropy(surface, placed, b);
   return surface;
+}
+
+void World::set_bulge(Surface& surface, const scene::PlacedTriangle& placed, const dvec3& b,
+                      double sign_of_normals) const {
+  constexpr double LEAST_BULGE = 1e-3;  // radians: part of the model
+  std::array<dvec3, 3> p, n;
+  for (size_t i = 0; i < 3; ++i) {
+    const Vertex vertex = placed_vertex(scene_, placed, placed.corners()[i]);
+    p[i] = dvec3(vertex.position);
+    n[i] = sign_of_normals * dvec3(vertex.normal);
+  }
+  double spread = 0;
+  double perimeter = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const dvec3 edge = p[(i + 1) % 3] - p[i];
+    spread += dot(edge, n[(i + 1) % 3] - n[i]);
+    perimeter += length(edge);
+  }
+  if (!(std::abs(spread) > LEAST_BULGE * perimeter)) return;
+  surface.bulge = spread > 0 ? 1 : -1;
+  // Hanika 2021: to the tangent planes of the vertices that lie above, interpolated.
+  for (size_t i = 0; i < 3; ++i) {
+    const dvec3 up = static_cast<double>(surface.bulge) * normalize(n[i]);
+    surface.rise += b[static_cast<int>(i)] * std::max(dot(p[i] - surface.position, up), 0.0) * up;
+  }
 }
 
 double World::mean_curvature(uint32_t index) const {
@@ -213,18 +242,20 @@ dvec3 World::transmittance(uint32_t medium, double distance) const {
   return exp(-distance * dvec3(scene_.materials[medium].absorption));
 }
 
-uint32_t World::medium_towards(const Surface& surface, uint32_t medium, const dvec3& from,
-                               const dvec3& w) const {
+uint32_t World::medium_towards(const Surface& surface, uint32_t medium, const dvec3& from, const dvec3& w,
+                               bool is_beyond) const {
   const Material& material = scene_.materials[surface.material];
   const bool has_inside =
       material.material_class == MATERIAL_CLASS_TRANSMISSIVE && (material.flags & MATERIAL_VOLUME) != 0;
   const bool came_from_front = dot(from, surface.geometric_normal) > 0;
   const bool leaves_to_front = dot(w, surface.geometric_normal) > 0;
-  if (!has_inside || came_from_front == leaves_to_front) return medium;
+  if (!has_inside || is_beyond || came_from_front == leaves_to_front) return medium;
   return came_from_front ? surface.material : INVALID_INDEX;
 }
 
-Ray World::ray_from(const Surface& surface, const dvec3& direction) const {
+Ray World::ray_from(const Surface& surface, const dvec3& direction, bool is_beyond) const {
+  // The facet itself may then be in the way.
+  if (is_beyond) return {surface.position + surface.rise, direction};
   const dvec3 size = glm::abs(surface.position);
   Ray ray{surface.position, direction};
   ray.t_min = SEGMENT_START * std::max({size.x, size.y, size.z, std::sqrt(surface.area)});
@@ -232,9 +263,10 @@ Ray World::ray_from(const Surface& surface, const dvec3& direction) const {
   return ray;
 }
 
-bool World::is_visible(const Surface& from, const dvec3& to, uint32_t target) const {
-  const double distance = length(to - from.position);
-  Ray ray = ray_from(from, (to - from.position) / distance);
+bool World::is_visible(const Surface& from, const dvec3& to, uint32_t target, bool is_beyond) const {
+  const dvec3 segment = to - (is_beyond ? from.position + from.rise : from.position);
+  const double distance = length(segment);
+  Ray ray = ray_from(from, segment / distance, is_beyond);
   ray.t_max = distance - ray.t_min;
   ray.skip_last = target;
   return !traversal_.is_occluded(ray);

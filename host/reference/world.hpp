@@ -30,6 +30,10 @@ struct Surface {
   uint32_t triangle = interface::INVALID_INDEX;
   uint32_t material = interface::INVALID_INDEX;
   uint32_t light = interface::INVALID_INDEX;  ///< of the triangle, if it emits
+  bool has_relief = false;                    ///< the shading normal is a normal map's
+  /// The side on which the vertex normals spread: 1 the front, -1 the back, 0 neither.
+  int bulge = 0;
+  glm::dvec3 rise{0};  ///< to the curved surface that they tell of on that side, m (Hanika 2021)
 };
 
 /// A scene with its tree and microfacet model. Scene and tree must outlive it.
@@ -71,17 +75,22 @@ class World {
 
   /// The medium on the side of the surface that w points to, for a path that arrived through `medium` from
   /// the side of `from`.
+  /// `is_beyond`: w lies beyond the facet's horizon, but leaves to the side of `from`.
   uint32_t medium_towards(const Surface& surface, uint32_t medium, const glm::dvec3& from,
-                          const glm::dvec3& w) const;
+                          const glm::dvec3& w, bool is_beyond = false) const;
 
-  /// Ray from a surface point.
-  Ray ray_from(const Surface& surface, const glm::dvec3& direction) const;
+  /// Ray from a surface point. `is_beyond`: from the curved surface that the facet stands for, in a direction
+  /// beyond its horizon.
+  Ray ray_from(const Surface& surface, const glm::dvec3& direction, bool is_beyond = false) const;
 
   /// True if nothing lies strictly between a surface point and another point (on triangle `target`, if any).
-  bool is_visible(const Surface& from, const glm::dvec3& to,
-                  uint32_t target = interface::INVALID_INDEX) const;
+  bool is_visible(const Surface& from, const glm::dvec3& to, uint32_t target = interface::INVALID_INDEX,
+                  bool is_beyond = false) const;
 
  private:
+  /// Fills what concerns bulges. `sign_of_normals`: -1 if the vertex normals point to the back.
+  void set_bulge(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
+                 double sign_of_normals) const;
   /// Front shading normal by a normal map; `normal` is the vertices' sum, that of the surface their
   /// direction.
   glm::dvec3 mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
@@ -98,7 +107,7 @@ class World {
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;
-  std::vector<double> fresnel_average_;         // by material
+  std::vector<double> fresnel_average_;  // by material
   bool compensates_energy_ = false;
   std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated, or some base has a rough cover
 };

@@ -24,8 +24,8 @@ const scene::LightTree& light_tree_of(const scene::Scene& scene, const RenderSet
 }
 
 gpu::Buffer energy_tables_of(gpu::Device& device, const scene::Scene& scene, const RenderSettings& settings) {
-  const uint32_t feature = settings.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR
-                                                            : interface::FEATURE_ROUGH_BASE;
+  const uint32_t feature =
+      settings.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
   const bool is_needed = (scene::find_features(scene).bits & feature) != 0;
   return is_needed ? make_energy_tables(device, scene.materials, settings) : gpu::Buffer();
 }

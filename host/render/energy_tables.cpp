@@ -122,7 +122,8 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
   std::vector<float> words = gpu::download_all<float>(device, tables, count);
   words[0] = std::bit_cast<float>(static_cast<uint32_t>(indices.size()));
   std::ranges::copy(indices, words.begin() + ENERGY_INDICES);
-  if (settings.has_energy_compensation) add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
+  if (settings.has_energy_compensation)
+    add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
   for (size_t i = 0; i < indices.size(); ++i) {
     const size_t first = first_of(i);
     if (settings.has_energy_compensation) {

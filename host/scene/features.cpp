@@ -1,6 +1,7 @@
 // find_features: what kernels may leave out for this scene.
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -131,6 +132,20 @@ bool is_smooth(const Scene& scene, const interface::Triangle& triangle) {
          glm::dot(normal, c.normal) < FLAT_COSINE;
 }
 
+/// True if the vertex normals spread on either side: shaders/lib/geometry.glsl, find_bulge.
+bool bulges(const Scene& scene, const interface::Triangle& triangle) {
+  constexpr float LEAST_BULGE = 1e-3f;
+  const std::array corners = {&scene.vertices[triangle.v0], &scene.vertices[triangle.v1],
+                              &scene.vertices[triangle.v2]};
+  float spread = 0, length = 0;
+  for (size_t i = 0; i < 3; ++i) {
+    const interface::Vertex &from = *corners[i], &to = *corners[(i + 1) % 3];
+    spread += glm::dot(to.position - from.position, to.normal - from.normal);
+    length += glm::length(to.position - from.position);
+  }
+  return std::abs(spread) > LEAST_BULGE * length;
+}
+
 }  // namespace
 
 std::span<const FeatureDescription> feature_descriptions() {
@@ -154,6 +169,7 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_ABSORPTION, "absorption", "media along the path and their transmittance"},
       FeatureDescription{FEATURE_MANY_LIGHTS, "many_lights", "the choice among lights"},
       FeatureDescription{FEATURE_SMOOTH_NORMALS, "smooth_normals", "interpolation of vertex normals"},
+      FeatureDescription{FEATURE_BULGES, "bulges", "light from beyond the horizon of facets (terminators)"},
       FeatureDescription{FEATURE_TWO_SIDED_LIGHTS, "two_sided_lights", "emission from back faces"},
       FeatureDescription{FEATURE_VERTEX_COLORS, "vertex_colors", "colours of vertices"},
       FeatureDescription{FEATURE_NORMAL_MAPS, "normal_maps", "tangents and normal maps"},
@@ -173,12 +189,14 @@ std::span<const FeatureDescription> feature_descriptions() {
 Features find_features(const Scene& scene) {
   Features features;
   std::vector<bool> is_used(scene.materials.size(), false);
-  bool has_smooth_normals = false;
+  bool has_smooth_normals = false, has_bulges = false;
   for (const interface::Triangle& triangle : scene.triangles) {
     is_used[triangle.material] = true;
     has_smooth_normals = has_smooth_normals || is_smooth(scene, triangle);
+    has_bulges = has_bulges || bulges(scene, triangle);
   }
   if (has_smooth_normals) features.bits |= interface::FEATURE_SMOOTH_NORMALS;
+  if (has_bulges) features.bits |= interface::FEATURE_BULGES | interface::FEATURE_SMOOTH_NORMALS;
   if (!scene.instances.empty()) features.bits |= interface::FEATURE_INSTANCES;
   if (!scene.vertex_colors.empty()) features.bits |= interface::FEATURE_VERTEX_COLORS;
   for (const interface::Texture& texture : scene.textures) {

@@ -94,6 +94,7 @@ REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specu
 REGULUS_CONSTANT FEATURE_WIDE_TEXELS = 1u << 30;        // some texture is TEXTURE_UNORM16 or TEXTURE_HALF
 REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored once for several copies
 REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MATERIAL_COAT_NORMAL; implies CLEARCOAT
+REGULUS_CONSTANT FEATURE_BULGES = 1u << 27;             // some triangle's vertex normals spread: it stands for a curved surface
 REGULUS_CONSTANT FEATURE_ROUGH_BASE = 1u << 26;         // some diffuse base lies under a rough dielectric interface
 
 // Techniques (design.md section 1).

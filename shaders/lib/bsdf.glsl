@@ -122,7 +122,8 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   Lobes lobes;
   float cos_o = wo.z;
   float cos_i = abs(wi.z);
-  float same_side = facet.is_transmitted ? 0.0 : INV_PI;
+  bool is_dark = is_in_relief_shadow(bsdf, transport == TRANSPORT_RADIANCE ? wi : wo);
+  float same_side = facet.is_transmitted || is_dark ? 0.0 : INV_PI;
   lobes.weight = vec3(0.0);
   lobes.density = 0.0;
   lobes.choice_forward = 0.0;
@@ -406,7 +407,8 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
     eval = delta;
     numerator = 1.0;
   }
-  bool is_valid = facet.is_valid && wo.z > 0.0 && numerator > 0.0 && eval.pdf_forward > 0.0;
+  bool is_dark = is_diffuse && is_in_relief_shadow(bsdf, transport == TRANSPORT_RADIANCE ? wi : wo);
+  bool is_valid = facet.is_valid && wo.z > 0.0 && numerator > 0.0 && eval.pdf_forward > 0.0 && !is_dark;
   if (!is_valid) return INVALID_BSDF_SAMPLE;
 
   BsdfSample result;

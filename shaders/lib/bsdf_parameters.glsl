@@ -19,6 +19,8 @@
 #define bsdf_has_coat_normal() (spec_material_class * (spec_features & FEATURE_COAT_NORMALS) != 0u)
 #define bsdf_has_delta() (spec_material_class * (spec_features & FEATURE_DELTA_SPECULAR) != 0u)
 
+#define bsdf_has_relief() ((spec_features & FEATURE_NORMAL_MAPS) != 0u)
+
 #define compensates_energy() \
   (spec_energy_compensation * spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
 #define has_rough_base() \
@@ -61,8 +63,13 @@ struct Bsdf {
   bool is_coat_turned;   // MATERIAL_COAT_NORMAL: it is another than z
   EnergyTables energy;   // only with compensates_energy() or has_rough_base()
   bool is_solid;         // it refracts; only with compensates_energy()
+  vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
   float cover;           // share of the rough interface's own albedo in what the base gets (lib/cover.glsl)
 };
+
+// True if the normals disagree about w, a direction towards the light as the bsdf sees it, and a normal map's relief stands in
+// its own light: the diffuse lobe is dark.
+bool is_in_relief_shadow(Bsdf bsdf, vec3 w) { return bsdf_has_relief() && dot(w, bsdf.geometric_normal) * w.z < 0.0; }
 
 // Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
 // F_d = f0 + s (f90 - f0).
@@ -175,6 +182,7 @@ float reflection_probability(Bsdf bsdf, vec2 position, float c) {
 // The bsdf of a material whose textures have been applied, seen from its front or back face.
 Bsdf make_bsdf(Material material, bool is_front) {
   Bsdf bsdf;
+  bsdf.geometric_normal = vec3(0.0, 0.0, 1.0);  // where it is another the caller says so
   vec3 dielectric = (1.0 - material.metallic) * material.base_color;
   if (!bsdf_has_specular()) {
     bsdf.diffuse = dielectric;

@@ -35,7 +35,7 @@ Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex 
   uvec4 seed = virtual_merge_seed(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, VIRTUAL_MERGE_AT_CAMERA,
                                   uvec3(path.bounce + 1u, 0u, 0u));
   ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization, seed);
-  float emission_pdf = light.emission_ratio * abs(dot(light.wi, point.geometric_normal));
+  float emission_pdf = light.emission_ratio * arrival_cosine(point, light.wi);
   float per_light = light.is_delta ? 0.0 : 1.0 / light.pdf;
   count_copies(counts, history.ratio, bsdf.ratio, vertex);
   float weight = mis_weight_nee(counts, vertex, bsdf.eval.pdf_forward * per_light, emission_pdf, bsdf.eval.pdf_reverse,
@@ -63,8 +63,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
   LightSample light = sample_light(frame, light_receiver(point), u);
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
-  vec3 wi = to_local(point, light.wi);
-  if (!sides_agree(point, light.wi, wi)) return;
+  vec3 wi;
+  if (!to_local_lit(point, light.wi, wi)) return;
   // Lights without extent are not seen in mirrors or through clear glass. However narrow, a bundle of camera paths would
   // show them there, as glints of all their light in a pixel.
   if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
@@ -95,8 +95,8 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
              Regularization regularization, TechniqueCounts counts, uint triangle, vec3 footprint, uint slot, vec4 u) {
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
-  vec3 direction = to_world(point, next.wi);
-  if (!sides_agree(point, direction, next.wi)) return;
+  vec3 direction;
+  if (!to_world_lit(point, next.wi, direction)) return;
 
   path.throughput *= next.weight;
   path.eta_scale *= next.eta_scale;
@@ -108,11 +108,11 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
   if (!(u.w < survival)) return;
   path.throughput /= survival;
 
-  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
+  path.origin = ray_origin(point, direction);
   path.direction = normalize(direction);
   WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, TRANSPORT_RADIANCE, regularization);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
-  float cos_out = dot(direction, point.geometric_normal);
+  float cos_out = arrival_cosine(point, direction);
   count_copies(counts, history.ratio, walk.ratio, vertex);
   mis_scatter(counts, vertex, walk.inverse, pdf_ratio, cos_out, path);
   if (has_histories()) {

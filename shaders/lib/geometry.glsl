@@ -96,7 +96,29 @@ struct Surface {
   uint material;
   uint light;
   float area;  // of the triangle, m^2
+  // Only with FEATURE_BULGES: the side on which the vertex normals spread, 1 the front, -1 the back, 0 neither; and from the
+  // triangle to the curved surface that they tell of on that side, m.
+  float bulge;
+  vec3 rise;
 };
+
+// Vertex normals that spread by less than this, in radians, hide no facet.
+const float LEAST_BULGE = 1e-3;
+
+// Hanika, "Hacking the Shadow Terminator", Ray Tracing Gems II, 2021: the point is projected onto the tangent planes of the
+// vertices that lie above it, and these points are interpolated. sign_of_normals: -1 if the vertex normals point to the back.
+void find_bulge(Vertex v0, Vertex v1, Vertex v2, vec3 b, float sign_of_normals, inout Surface surface) {
+  vec3 e0 = v1.position - v0.position, e1 = v2.position - v1.position, e2 = v0.position - v2.position;
+  float spread = sign_of_normals * (dot(e0, v1.normal - v0.normal) + dot(e1, v2.normal - v1.normal) +
+                                    dot(e2, v0.normal - v2.normal));
+  if (!(abs(spread) > LEAST_BULGE * (length(e0) + length(e1) + length(e2)))) return;
+  surface.bulge = spread > 0.0 ? 1.0 : -1.0;
+  float side = surface.bulge * sign_of_normals;
+  vec3 n0 = side * normalize(v0.normal), n1 = side * normalize(v1.normal), n2 = side * normalize(v2.normal);
+  surface.rise = b.x * max(dot(v0.position - surface.position, n0), 0.0) * n0 +
+                 b.y * max(dot(v1.position - surface.position, n1), 0.0) * n1 +
+                 b.z * max(dot(v2.position - surface.position, n2), 0.0) * n2;
+}
 
 // triangle_number: see interface::Instance.
 Surface surface_at(Frame frame, uint triangle_number, vec2 barycentrics) {
@@ -113,13 +135,18 @@ Surface surface_at(Frame frame, uint triangle_number, vec2 barycentrics) {
   surface.geometric_normal = point.normal;
   surface.area = point.area;
   surface.shading_normal = point.normal;
+  surface.bulge = 0.0;
+  surface.rise = vec3(0.0);
   float b0 = 1.0 - barycentrics.x - barycentrics.y;
   if ((spec_features & FEATURE_SMOOTH_NORMALS) != 0u) {
     vec3 normal = b0 * v0.normal + barycentrics.x * v1.normal + barycentrics.y * v2.normal;
     float squared = dot(normal, normal);
     if (squared > 1e-12) {
       normal *= inversesqrt(squared);
-      surface.shading_normal = dot(normal, point.normal) < 0.0 ? -normal : normal;
+      float sign_of_normals = dot(normal, point.normal) < 0.0 ? -1.0 : 1.0;
+      surface.shading_normal = sign_of_normals * normal;
+      if ((spec_features & FEATURE_BULGES) != 0u)
+        find_bulge(v0, v1, v2, vec3(b0, barycentrics), sign_of_normals, surface);
     }
   }
   surface.uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);

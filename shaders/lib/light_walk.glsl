@@ -69,7 +69,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
   vec3 wi = to_local_seen(point, lens.wi);
-  if (!lens.is_visible || is_off_film(frame, lens.film)) return;
+  if (!lens.is_visible || is_off_film(frame, lens.film) || is_dark_towards(point, lens.wi)) return;
   Regularization regularization = regularization_of(frame, path.sample_index, false);
   uvec4 seed = virtual_merge_seed(frame.seed, path.pixel, path.sample_index, VIRTUAL_MERGE_AT_LIGHT,
                                   uvec3(0u, path.bounce + 1u, 0u));
@@ -110,6 +110,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction = to_world_seen(point, next.wi);
+  if (is_dark_towards(point, direction)) return;
   float cos_out = dot(direction, point.geometric_normal);
   float correction = shading_correction(point, -path.direction, point.wo.z);
   if ((spec_features & FEATURE_SMOOTH_NORMALS) != 0u) correction *= abs(cos_out) / max(abs(next.wi.z), 1e-7);

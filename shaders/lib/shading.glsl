@@ -17,6 +17,9 @@ struct ShadingPoint {
   vec3 geometric_normal;            // on the side of wo
   vec3 wo;                          // local
   bool is_front;                    // wo is on the front side
+  bool is_turned;                   // wo was half-turned; only with smooth normals
+  float bulge;                      // as of the surface, 1: on the side of wo; only with FEATURE_BULGES
+  bool is_curved;                   // the camera's side bulges, for camera walks; only with FEATURE_BULGES
 };
 
 vec3 to_local(ShadingPoint point, vec3 w) {
@@ -32,13 +35,16 @@ bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
   return dot(w, point.geometric_normal) * w_local.z > 0.0;
 }
 
-// Where the normals disagree about a direction w:
-// - towards the light: the bsdf is zero, for walks and connections alike. This is the shadow of the relief.
-// - towards the camera: the bsdf sees w after a half-turn about the line in which the two tangent planes meet. That
-//   exchanges the directions between the planes, keeps solid angles and the absolute cosine with either normal, and is
-//   its own inverse: every direction on the camera's side of the surface has a partner on the bsdf's side, nothing is
-//   black for being seen at a slant, and pdfs stay densities.
-// Both are functions of the path, whichever way it is walked.
+// Where the normals disagree about a direction w, towards the light or the camera, the bsdf sees w after a half-turn about the
+// line in which the two tangent planes meet. That exchanges the directions between the planes, keeps solid angles and the
+// absolute cosines with both normals, and is its own inverse: every direction on a side of the surface has a partner on the
+// bsdf's side, nothing that a lobe scatters is lost, nothing is black for being seen at a slant, and pdfs stay densities. As
+// both directions are seen so, a pair and its reverse are treated alike. Two exceptions, functions of the path like the rule:
+// - The diffuse lobe of a normal-mapped surface gets no light that way: the shadow of the relief.
+// - Where the surface bulges towards the camera (Surface.bulge) the shading normal alone decides about light. Some comes from
+//   beyond the facet's horizon: it arrives at the curved surface for which the facet stands, so rays in such directions start
+//   there (Surface.rise). No light walk arrives at a facet like this: its probability there is 0. From behind the shading
+//   normal there is no light.
 vec3 half_turned(ShadingPoint point, vec3 w_local) {
   vec2 axis = vec2(-dot(point.geometric_normal, point.bitangent), dot(point.geometric_normal, point.tangent));
   float squared = dot(axis, axis);
@@ -58,6 +64,57 @@ vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
   vec3 w = to_world(point, w_local);
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u || sides_agree(point, w, w_local)) return w;
   return to_world(point, half_turned(point, w_local));
+}
+
+// True if the surface bulges on the side of w, a direction towards the camera.
+bool bulges_towards(ShadingPoint point, vec3 w) {
+  return (spec_features & FEATURE_BULGES) != 0u && point.bulge * dot(w, point.geometric_normal) > 0.0;
+}
+
+// Of a point of a light walk: true if light from wo does not go towards w. See above.
+bool is_dark_towards(ShadingPoint point, vec3 w) {
+  return (spec_features & FEATURE_BULGES) != 0u && point.is_turned && bulges_towards(point, w);
+}
+
+// Of a point of a camera walk: true if w, towards the light, lies beyond the facet's horizon and counts.
+bool is_beyond_horizon(ShadingPoint point, vec3 w) {
+  return (spec_features & FEATURE_BULGES) != 0u && point.is_curved && dot(w, point.normal) > 0.0 &&
+         dot(w, point.geometric_normal) < 0.0;
+}
+
+// The absolute cosine with which a light walk arrives from w, 0 if none can.
+float arrival_cosine(ShadingPoint point, vec3 w) {
+  return is_beyond_horizon(point, w) ? 0.0 : abs(dot(w, point.geometric_normal));
+}
+
+// Of a point of a camera walk: a direction towards the light, as the bsdf sees it. False if no light comes from there.
+bool to_local_lit(ShadingPoint point, vec3 w, out vec3 local) {
+  local = to_local(point, w);
+  if (sides_agree(point, w, local)) return true;
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return false;
+  if ((spec_features & FEATURE_BULGES) != 0u && point.is_curved) return local.z > 0.0;
+  local = half_turned(point, local);
+  return local.z != 0.0;
+}
+
+// The direction towards the light that the bsdf sees as w_local.
+bool to_world_lit(ShadingPoint point, vec3 w_local, out vec3 w) {
+  w = to_world(point, w_local);
+  if (sides_agree(point, w, w_local)) return true;
+  if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return false;
+  if ((spec_features & FEATURE_BULGES) != 0u && point.is_curved) return w_local.z > 0.0;
+  w = to_world(point, half_turned(point, w_local));
+  return w_local.z != 0.0;
+}
+
+// Where a ray leaves the point towards `direction`.
+vec3 ray_origin(ShadingPoint point, vec3 direction) {
+  vec3 position = point.surface.position;
+  if (is_beyond_horizon(point, direction)) {
+    position += point.surface.rise;
+    direction = point.geometric_normal;
+  }
+  return offset_origin(position, point.surface.clearance, point.geometric_normal, direction);
 }
 
 // Turns the local axes so that the tangent runs along the direction in which the material's roughness is stretched.
@@ -106,9 +163,15 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   orthonormal_basis(point.normal, point.tangent, point.bitangent);
   if ((spec_features & FEATURE_ANISOTROPY) != 0u && point.material.anisotropy > 0.0)
     align_with_anisotropy(frame, triangle, barycentrics, point);
-  point.wo = transport == TRANSPORT_RADIANCE ? to_local_seen(point, wo) : to_local(point, wo);
+  point.wo = to_local_seen(point, wo);
+  point.is_turned = (spec_features & FEATURE_SMOOTH_NORMALS) != 0u && !sides_agree(point, wo, to_local(point, wo));
+  point.bulge = side * point.surface.bulge;
+  point.is_curved = transport == TRANSPORT_RADIANCE && point.bulge > 0.0;
   apply_textures(frame.textures, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
+  bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
+  if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)
+    point.bsdf.geometric_normal = to_local(point, point.geometric_normal);
   if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
   if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);
   if (has_rough_base()) cover_base(frame.energy_tables, point.material, point.bsdf);
@@ -149,16 +212,16 @@ bool is_connectible(ShadingPoint point) {
 }
 
 // The point as the choice of a light knows it. Where a surface only reflects, light that counts comes from the side of wo,
-// whichever way the path is walked.
+// whichever way the path is walked; of which normal, where it bulges, the shading normal decides.
 LightReceiver light_receiver(ShadingPoint point) {
-  return LightReceiver(point.surface.position,
-                       spec_material_class == MATERIAL_CLASS_TRANSMISSIVE ? vec3(0.0) : point.geometric_normal);
+  vec3 normal = (spec_features & FEATURE_BULGES) != 0u && point.bulge > 0.0 ? point.normal : point.geometric_normal;
+  return LightReceiver(point.surface.position, spec_material_class == MATERIAL_CLASS_TRANSMISSIVE ? vec3(0.0) : normal);
 }
 
 // The segment from a surface point to `target` (already off its own surface), as a candidate without contribution.
 VisibilityCandidate visibility_segment(ShadingPoint point, vec3 towards, vec3 target) {
   VisibilityCandidate candidate;
-  candidate.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, towards);
+  candidate.origin = ray_origin(point, towards);
   vec3 segment = target - candidate.origin;
   float distance = length(segment);
   candidate.direction = segment / distance;

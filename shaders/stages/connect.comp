@@ -82,8 +82,9 @@ void main() {
   vec3 direction = to_light / distance;
   ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
   ShadingPoint light_point = shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE);
-  vec3 camera_wi = to_local(camera_point, direction), light_wi = to_local_seen(light_point, -direction);
-  if (!sides_agree(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
+  vec3 camera_wi, light_wi = to_local_seen(light_point, -direction);
+  if (!to_local_lit(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
+  if (is_dark_towards(light_point, -direction)) return;
   Path path = LOAD(PathBuffer, frame.paths, pair.slot);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
@@ -99,7 +100,7 @@ void main() {
                    regularization_of(frame, path.sample_index, light_diffused),
                    virtual_merge_seed(frame.seed, pixel, path.sample_index, VIRTUAL_MERGE_AT_LIGHT, place));
 
-  float camera_cos = abs(dot(direction, camera_point.geometric_normal)) / squared;
+  float camera_cos = arrival_cosine(camera_point, direction) / squared;
   float light_cos = abs(dot(direction, light_point.geometric_normal)) / squared;
   Weighted value = weighted_value(frame, Connection(pair, camera, light, camera_bsdf, light_bsdf,
                                                     !has_diffusion() || light_diffused || diffuses(light_point.bsdf),

@@ -76,8 +76,9 @@ uvec2 visits_of(Frame frame, uint slot, uint total) {
 
 // What one light vertex contributes at the camera vertex.
 Weighted merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
-  vec3 wi = to_local(gatherer.point, light.direction);
-  if (!sides_agree(gatherer.point, light.direction, wi)) return Weighted(vec3(0.0), vec3(0.0));
+  vec3 wi;
+  if (!to_local_lit(gatherer.point, light.direction, wi) || is_beyond_horizon(gatherer.point, light.direction))
+    return Weighted(vec3(0.0), vec3(0.0));
   float correction = shading_correction(gatherer.point, light.direction, wi.z);
   vec3 factor = gatherer.vertex.throughput * light.throughput * (correction / gatherer.counts.merge);
   Weighted bsdf = weighted_value(frame, gatherer, light, index, wi);

@@ -25,12 +25,11 @@ bool pass(Frame frame, ShadingPoint point, uint triangle, inout Path path, inout
   if (diffuses(point.bsdf) || point.wo.z <= 0.0) return false;
   BsdfSample next = follow(point);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return false;
-  vec3 direction = to_world(point, next.wi);
-  if (!sides_agree(point, direction, next.wi)) return false;
+  vec3 direction;
+  if (!to_world_lit(point, next.wi, direction)) return false;
   float curvature = curvature_at(frame, triangle);
   footprint = scattered(footprint, point.bsdf, next, point.is_front ? curvature : -curvature);
-  path.origin =
-      offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
+  path.origin = ray_origin(point, direction);
   path.direction = normalize(direction);
   return true;
 }

@@ -35,11 +35,11 @@ constexpr double ALBEDO[5][5] = {{0.0400, 0.0397, 0.0370, 0.0286, 0.0127},
                                  {0.0892, 0.0868, 0.0669, 0.0446, 0.0234},
                                  {0.2407, 0.2037, 0.1163, 0.0695, 0.0376},
                                  {0.4794, 0.3402, 0.1776, 0.1048, 0.0611}};
-// Quasi-Monte Carlo with 2048 points per node, of which the tables' bilinear interpolation adds as much again.
+// Quasi-Monte Carlo with 2048 points per node, of which the tables' bilinear interpolation adds as much
+// again.
 constexpr double TABLE_ERROR = 2e-3;
 constexpr uint32_t SAMPLES = 1u << 16;
 constexpr double SAMPLING_ERROR = 1.5e-3;  // of the R3 sequence with so many points
-
 
 constexpr Model GGX_SOLID{NDF_GGX, SHADOWING_SMITH, MATERIAL_CLASS_TRANSMISSIVE};
 
@@ -61,7 +61,8 @@ std::vector<double> on_device(Material material, bool is_front, const std::vecto
   const gpu::Kernel kernel =
       create_batch_kernel(test_kernels::spirv, "energy_albedo", {{SPEC_ENERGY_COMPENSATION, 0u}});
   std::vector<double> greens;
-  for (const glm::vec3& albedo : map_on_device<glm::vec3>(kernel, cases, 1, SAMPLES)) greens.push_back(albedo.g);
+  for (const glm::vec3& albedo : map_on_device<glm::vec3>(kernel, cases, 1, SAMPLES))
+    greens.push_back(albedo.g);
   return greens;
 }
 
@@ -102,8 +103,9 @@ TEST(RoughBase, ReturnsItsColourOfWhatTheInterfaceLeaves) {
     for (size_t a = 0; a < 5; ++a) {
       const double known = ALBEDO[a][r] + BASE * (1 - ALBEDO[a][r]);
       worst_device = std::max(worst_device, std::abs(device[r * 5 + a] - known));
-      worst_reference =
-          std::max(worst_reference, std::abs(ALBEDO[a][r] + diffuse_of_reference(plastic, true, ROUGHNESS[r], cosines[a]) - known));
+      worst_reference = std::max(
+          worst_reference,
+          std::abs(ALBEDO[a][r] + diffuse_of_reference(plastic, true, ROUGHNESS[r], cosines[a]) - known));
     }
   std::printf("largest error of the device %.5f, of the reference %.5f\n", worst_device, worst_reference);
   EXPECT_LT(worst_device, TABLE_ERROR + SAMPLING_ERROR);
@@ -127,7 +129,7 @@ TEST(RoughBase, CreatesNoLight) {
     const char* name;
     Material material;
     bool is_front;
-  } kinds[] = {{"white", white, true}, {"dark coloured", dark, true}, {"alloy", alloy, true},
+  } kinds[] = {{"white", white, true},     {"dark coloured", dark, true},       {"alloy", alloy, true},
                {"half solid", half, true}, {"half solid, inside", half, false}, {"half pane", pane, true}};
   for (const auto& kind : kinds) {
     const std::vector<double> all = on_device(kind.material, kind.is_front, roughness, cosines);
@@ -159,8 +161,9 @@ TEST(RoughBase, IsReciprocal) {
   EXPECT_LT(worst, 1e-6);  // the directions are unit vectors in floats
 }
 
-// A smooth interface loses nothing, from neither side: what the diffuse lobe returns is 1 - t of what passes the
-// interface. From inside its integrand jumps where total reflection begins, which the device's points feel.
+// A smooth interface loses nothing, from neither side: what the diffuse lobe returns is 1 - t of what passes
+// the interface. From inside its integrand jumps where total reflection begins, which the device's points
+// feel.
 TEST(RoughBase, HalfClearSolidsKeepAllLightOnBothSides) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   constexpr double JUMP_ERROR = 4e-3;
@@ -181,9 +184,9 @@ TEST(RoughBase, HalfClearSolidsKeepAllLightOnBothSides) {
   }
 }
 
-// Device and reference make their tables by code of their own. A sum of 2048 numbers up to 1 is off by some ten
-// roundings of 6e-8 each; of facets that stand within .01 of the normal (the first row, of which nothing counts yet)
-// single precision knows the masking to 2e-5 only.
+// Device and reference make their tables by code of their own. A sum of 2048 numbers up to 1 is off by some
+// ten roundings of 6e-8 each; of facets that stand within .01 of the normal (the first row, of which nothing
+// counts yet) single precision knows the masking to 2e-5 only.
 TEST(RoughBase, TablesOfDeviceAndReferenceAgree) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   const gpu::Buffer buffer = cover_tables(GGX_SOLID);
@@ -204,7 +207,8 @@ TEST(RoughBase, TablesOfDeviceAndReferenceAgree) {
         compare(row * ENERGY_NODES + node, tables.cover(0, root * root, roughness, is_inside));
       }
       compare(COVER_NODES + row, tables.cover_mean(0, roughness, is_inside));
-      std::printf("%s, roughness %.2f: largest difference %.2e\n", is_inside ? "inside" : "outside", roughness, worst);
+      std::printf("%s, roughness %.2f: largest difference %.2e\n", is_inside ? "inside" : "outside",
+                  roughness, worst);
       EXPECT_LT(worst, row == 0 ? 4e-5 : 6e-6);
     }
 }

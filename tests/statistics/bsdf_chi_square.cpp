@@ -67,7 +67,8 @@ TEST_P(BsdfChiSquare, SamplesFollowTheirDensity) {
     const gpu::Kernel kernel = create_kernel("bsdf_draw", model);
     // Diffuse bases under rough interfaces: the choice of lobes knows what these reflect.
     gpu::Buffer covers;
-    const bool has_base = GetParam() == Kind::Plastic || GetParam() == Kind::Mixed || GetParam() == Kind::Coated;
+    const bool has_base =
+        GetParam() == Kind::Plastic || GetParam() == Kind::Mixed || GetParam() == Kind::Coated;
     if (has_base && model.shadowing == SHADOWING_SMITH) {
       covers = cover_tables(model);
       for (BsdfCase& c : cases) c.tables = device_address(covers.address());
