@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 
 namespace regulus::cli {
 
@@ -27,12 +28,7 @@ class OutputGuard {
 
  private:
   /// Device and number of an existing file; of another one those of its folder, and its name.
-  struct Identity {
-    dev_t device = 0;
-    ino_t number = 0;
-    std::string name;
-    auto operator<=>(const Identity&) const = default;
-  };
+  using Identity = std::tuple<dev_t, ino_t, std::string>;
   struct Output {
     std::string option;
     std::filesystem::path file;

@@ -49,16 +49,17 @@ float srgb_encode(const float linear) {
 std::string encode_rgb8(const Format format, const uint32_t width, const uint32_t height,
                         const std::vector<uint8_t>& rgb, const std::string_view name) {
   constexpr int JPEG_QUALITY = 95;
-  const size_t wanted = size_t{3} * width * height;
-  const int w = static_cast<int>(width), h = static_cast<int>(height);
-  std::string bytes;
-  const bool is_encoded =
-      rgb.size() == wanted && wanted != 0 &&
-      (format == Format::Jpeg ? stbi_write_jpg_to_func(append, &bytes, w, h, 3, rgb.data(), JPEG_QUALITY)
-                              : stbi_write_png_to_func(append, &bytes, w, h, 3, rgb.data(), 3 * w)) != 0;
-  if (!is_encoded)
+  const auto fail = [&] {
     throw Error(ExitStatus::Failed, fmt::format("{}: {} x {} pixels cannot be encoded as {}", name, width,
                                                 height, format == Format::Jpeg ? "JPEG" : "PNG"));
+  };
+  const int w = static_cast<int>(width), h = static_cast<int>(height);
+  if (w <= 0 || h <= 0 || rgb.size() != size_t{3} * width * height) fail();
+  std::string bytes;
+  const int is_encoded = format == Format::Jpeg
+                             ? stbi_write_jpg_to_func(append, &bytes, w, h, 3, rgb.data(), JPEG_QUALITY)
+                             : stbi_write_png_to_func(append, &bytes, w, h, 3, rgb.data(), 0);
+  if (is_encoded == 0) fail();
   return bytes;
 }
 
