@@ -14,6 +14,8 @@
 #include <algorithm>
 #include <cctype>
 #include <exception>
+#include <fstream>
+#include <sstream>
 
 #include "base/error.hpp"
 #include "image/atomic_file.hpp"
@@ -152,6 +154,25 @@ Attributes string_attributes(const Imf::Header& header) {
   return attributes;
 }
 
+/// Refuses attributes that claim to be longer than the file: the library takes memory for them before it
+/// reads.
+void check_attributes(const fs::path& path, std::istream& stream, const uint64_t file_bytes) {
+  const auto skip_text = [&] {
+    uint64_t length = 0;
+    for (int c = stream.get(); c > 0; c = stream.get()) ++length;
+    return length;
+  };
+  stream.seekg(8);  // magic number and version
+  while (stream && skip_text() > 0) {
+    skip_text();  // its type
+    uint32_t size = 0;
+    for (int shift = 0; shift < 32; shift += 8) size |= static_cast<uint32_t>(stream.get() & 0xFF) << shift;
+    if (!stream || size > file_bytes - static_cast<uint64_t>(stream.tellg()))
+      fail_bad_file(path, "an attribute is longer than the file; it is cut off or corrupt");
+    stream.seekg(size, std::ios::cur);
+  }
+}
+
 /// Makes the constructor of input files refuse huge windows before it allocates line buffers for them.
 void limit_image_size() {
   Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
@@ -221,6 +242,8 @@ auto open_and_read(const fs::path& path, const Read& read) {
   if (error) fail_bad_file(path, fmt::format("cannot be read ({})", error.message()));
   try {
     limit_image_size();
+    std::ifstream header(path, std::ios::binary);
+    check_attributes(path, header, file_bytes);
     Imf::InputFile file(path.c_str());
     return read(file, file_bytes);
   } catch (const Error&) {
@@ -266,6 +289,8 @@ Image decode_exr(const std::string& name, const std::span<const unsigned char> b
                  const uint64_t max_pixels) {
   try {
     limit_image_size();
+    std::istringstream header(std::string(bytes.begin(), bytes.end()));
+    check_attributes(name, header, bytes.size());
     Imf::StdISStream stream;
     stream.str(std::string(bytes.begin(), bytes.end()));
     Imf::InputFile file(stream);

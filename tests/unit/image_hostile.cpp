@@ -34,6 +34,18 @@ std::string valid_file(const TemporaryFolder& folder) {
   return read_bytes(folder / "valid.exr");
 }
 
+// OpenEXR would take the memory that an attribute claims before it finds the file too short.
+TEST(HostileExr, AttributesMustFitTheFile) {
+  const TemporaryFolder folder;
+  std::string bytes = valid_file(folder);
+  const size_t size = bytes.find(std::string("chlist\0", 7)) + 7;
+  const uint32_t claimed = 0x70000000;
+  std::memcpy(&bytes[size], &claimed, 4);
+  const uint64_t before = process_peak_bytes();
+  EXPECT_EQ(read(folder, bytes, "a list of channels of 1.75 GiB"), Outcome::Refused);
+  EXPECT_LT(process_peak_bytes(), before + (uint64_t{64} << 20));
+}
+
 TEST(HostileExr, EveryTruncationIsRefused) {
   const TemporaryFolder folder;
   const std::string bytes = valid_file(folder);
