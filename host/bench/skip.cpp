@@ -116,6 +116,12 @@ const std::map<uint32_t, Addition>& additions() {
       {FEATURE_TWO_SIDED_LIGHTS, [](Speck& s) { s.emits(MATERIAL_DOUBLE_SIDED); }},
       {FEATURE_MANY_LIGHTS, [](Speck& s) { s.light(LIGHT_POINT); }},
       {FEATURE_POINT_LIGHTS, [](Speck& s) { s.light(LIGHT_POINT); }},
+      {FEATURE_LIGHT_RANGES,
+       [](Speck& s) {
+         s.light(LIGHT_POINT);
+         s.scene().lights.back().area = 1;
+       }},
+      {FEATURE_CLIPPING, [](Speck& s) { s.scene().cameras.front().z_far = 1e30F; }},
       {FEATURE_DIRECTIONAL_LIGHTS, [](Speck& s) { s.light(LIGHT_DIRECTIONAL); }},
       {FEATURE_ROUGH_SPECULAR, [](Speck& s) { s.shiny(0.05F); }},
       {FEATURE_ROUGH_BASE, [](Speck& s) { s.shiny(0.5F); }},

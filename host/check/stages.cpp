@@ -78,7 +78,12 @@ class StageChecker {
   void trace(const RecordedBounce& bounce, Tally& tally) const {
     for (const uint32_t slot : bounce.slots) {
       const Hit& hit = bounce.hits[slot];
-      const reference::Ray ray = ray_of(bounce.before[slot]);
+      reference::Ray ray = ray_of(bounce.before[slot]);
+      if (is_camera_ && bounce.before[slot].bounce == 0) {
+        const reference::CameraRay clipped = subject_.camera.clipped(ray.origin, ray.direction);
+        ray.t_min = clipped.nearest;
+        ray.t_max = clipped.farthest;
+      }
       const auto expected = subject_.world.traversal().closest(ray);
       const double scale = largest(ray.origin) + (expected ? expected->t : subject_.world.radius());
       if (expected && hit.triangle == expected->triangle) {
@@ -213,8 +218,7 @@ class StageChecker {
     const dvec4 u = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
     const dvec4 v = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION_DIRECTION);
     const reference::World& world = subject_.world;
-    const reference::LightPoint point =
-        sample_light_point(world, reference::select_light(world.scene(), {u.x, u.y}), {u.z, u.w});
+    const reference::LightPoint point = light_point(path);
     const reference::EmissionRay ray = sample_emission(world, point, {u.z, u.w}, {v.x, v.y});
     const reference::LightEnd end = light_end(world, point, ray.direction);
     const double cosine =
@@ -274,6 +278,8 @@ class StageChecker {
     const double sign_u = sign_of(jitter, 9), sign_v = sign_of(jitter, 10);
     if (is_moved) surface.uv += 2 * ULP * abs(surface.uv) * dvec4(sign_u, sign_v, sign_u, sign_v);
     reference::WalkVertex vertex = arrive(subject_.world, surface, hit.t, state, 1, is_camera_);
+    if (!is_camera_ && index == 0 && !end_by_range(subject_.world, light_point(path), vertex, state))
+      return std::nullopt;
     const bool goes_on = is_camera_ ? scatter_from_camera(subject_.world, vertex, state, index, u)
                                     : scatter_from_light(subject_.world, vertex, state, index, u);
     if (!goes_on) return std::nullopt;
@@ -284,6 +290,14 @@ class StageChecker {
     return std::max({largest(a.direction - b.direction),
                      largest(a.throughput - b.throughput) / std::max(largest(a.throughput), 1e-30),
                      largest(a.position - b.position) / (subject_.world.radius() + largest(a.position))});
+  }
+
+  /// Where a light path starts.
+  reference::LightPoint light_point(const Path& path) const {
+    const dvec4 u =
+        random_block(subject_.reference_settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+    return sample_light_point(subject_.world, reference::select_light(subject_.world.scene(), {u.x, u.y}),
+                              {u.z, u.w});
   }
 
   void compare_step(const Path& path, const Hit& hit, uint32_t index, bool is_alive, const Path& after,

@@ -18,6 +18,8 @@ Camera::Camera(const interface::Camera& camera, uint32_t width, uint32_t height)
       up_(camera.up),
       lens_radius_(is_orthographic_ ? 0 : camera.lens_radius),
       focus_distance_(camera.focus_distance),
+      near_(camera.z_near),
+      far_(camera.z_far),
       width_(width),
       height_(height),
       pixel_area_(4 * length(right_) * length(up_) / (static_cast<double>(width) * height)) {}
@@ -28,14 +30,20 @@ dvec3 Camera::lens_shift(const dvec2& u) const {
   return lens.x * normalize(right_) + lens.y * normalize(up_);
 }
 
+CameraRay Camera::clipped(const dvec3& origin, const dvec3& direction) const {
+  const double cosine = dot(direction, forward_);
+  return {origin, direction, near_ / cosine, far_ / cosine};
+}
+
 CameraRay Camera::ray(const dvec2& film, const dvec2& u) const {
   const dvec2 ndc(2 * film.x / width_ - 1, 1 - 2 * film.y / height_);
   const dvec3 across = ndc.x * right_ + ndc.y * up_;
-  if (is_orthographic_) return {position_ + across, forward_};
+  if (is_orthographic_) return clipped(position_ + across, forward_);
   // All rays of a film point meet in the plane of focus.
   const dvec3 shift = lens_shift(u);
   const dvec3 in_focus = focus_distance_ * (forward_ + across);
-  return {position_ + shift, lens_radius_ == 0 ? normalize(forward_ + across) : normalize(in_focus - shift)};
+  return clipped(position_ + shift,
+                 lens_radius_ == 0 ? normalize(forward_ + across) : normalize(in_focus - shift));
 }
 
 RayDensity Camera::density(const dvec3& direction) const {
@@ -57,11 +65,12 @@ std::optional<Camera::Projection> Camera::project(const dvec3& point, const dvec
   const dvec3 shift = lens_shift(u);
   const dvec3 to_point = point - position_ - shift;
   const double depth = dot(to_point, forward_);
-  if (!(depth > 0)) return std::nullopt;
-  if (is_orthographic_) return Projection{film_of(across_of(to_point)), {point - depth * forward_, forward_}};
+  if (!(depth > 0 && depth >= near_ && depth <= far_)) return std::nullopt;
+  if (is_orthographic_)
+    return Projection{film_of(across_of(to_point)), clipped(point - depth * forward_, forward_)};
   const double plane = lens_radius_ == 0 ? 1 : focus_distance_;
   const dvec3 on_plane = shift + to_point * (plane / depth);  // relative to the lens centre
-  return Projection{film_of(across_of(on_plane) / plane), {position_ + shift, normalize(to_point)}};
+  return Projection{film_of(across_of(on_plane) / plane), clipped(position_ + shift, normalize(to_point))};
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <limits>
 #include <optional>
 
 #include "interface/scene.h"
@@ -21,9 +22,13 @@ struct RayDensity {
   }
 };
 
-/// A camera ray.
+/// A camera ray. What it sees lies between two distances from its origin.
 struct CameraRay {
   glm::dvec3 origin, direction;
+  double nearest = 0, farthest = std::numeric_limits<double>::infinity();  ///< m
+
+  /// Where it starts to see.
+  glm::dvec3 start() const { return origin + nearest * direction; }
 };
 
 /// A camera with its film.
@@ -34,12 +39,16 @@ class Camera {
   /// The ray through film point `film`; `u`, uniform in [0, 1)^2, is the place on the lens.
   CameraRay ray(const glm::dvec2& film, const glm::dvec2& u) const;
 
+  /// A ray from the lens, seeing from one clipping plane to the other.
+  CameraRay clipped(const glm::dvec3& origin, const glm::dvec3& direction) const;
+
   /// Density of rays of that direction if film points have density 1 per square pixel, given the point on the
   /// lens.
   RayDensity density(const glm::dvec3& direction) const;
 
   /// Where light from `point` reaches the film through the lens point of `u`, and by which ray (from the lens
-  /// to the point). Nothing if the point is behind the camera; the film point may lie beyond the film.
+  /// to the point). Nothing if the point is behind the camera or not between its clipping planes; the film
+  /// point may lie beyond the film.
   struct Projection {
     glm::dvec2 film;
     CameraRay ray;
@@ -63,6 +72,7 @@ class Camera {
   bool is_orthographic_;
   glm::dvec3 position_, forward_, right_, up_;
   double lens_radius_, focus_distance_;
+  double near_, far_;  // depths of the clipping planes
   uint32_t width_, height_;
   double pixel_area_;  // of one pixel on the plane at distance 1 (perspective), or in space (orthographic)
 };

@@ -20,7 +20,8 @@ AovPixel empty_pixel() {
 }
 
 std::optional<Surface> first_surface(const World& world, const CameraRay& ray) {
-  const auto hit = world.traversal().closest({ray.origin, ray.direction});
+  const auto hit = world.traversal().closest(
+      {.origin = ray.origin, .direction = ray.direction, .t_min = ray.nearest, .t_max = ray.farthest});
   if (!hit) return std::nullopt;
   return world.surface_at(hit->triangle, hit->barycentrics);
 }

@@ -121,6 +121,12 @@ double spot_falloff(const Light& light, double cos_angle) {
   return linear * linear;
 }
 
+double range_share(const World& world, const LightPoint& point, double distance) {
+  const double range = point.is_triangle() ? 0 : light_of(world, point).area;
+  if (range == 0) return 1;
+  return std::clamp(1 - std::pow(distance / range, 4), 0.0, 1.0);
+}
+
 dvec3 emitted(const World& world, const LightPoint& point, const dvec3& direction) {
   const Light& light = light_of(world, point);
   if (point.is_triangle()) {

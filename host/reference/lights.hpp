@@ -85,4 +85,8 @@ EmissionRay sample_emission(const World& world, const LightPoint& point, const g
 /// (KHR_lights_punctual).
 double spot_falloff(const interface::Light& light, double cos_angle);
 
+/// What a light of limited range sends over this distance, as a share of the inverse square law: 1 - (d /
+/// range)^4, 0 from the range on (KHR_lights_punctual). 1 for all others.
+double range_share(const World& world, const LightPoint& point, double distance);
+
 }  // namespace regulus::reference

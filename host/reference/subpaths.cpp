@@ -125,6 +125,7 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   const bool is_beyond = path.vertices[1].is_beyond;
   edge.transmittance = world.transmittance(
       world.medium_towards(last.surface, last.medium, last.w_back, w, is_beyond), edge.distance);
+  edge.transmittance *= range_share(world, point, edge.distance);
   const bool is_visible =
       is_distant ? !world.traversal().is_occluded(world.ray_from(last.surface, w, is_beyond))
                  : world.is_visible(last.surface, point.surface.position, point.surface.triangle, is_beyond);
@@ -194,7 +195,7 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   edge.distance = length(projection->ray.origin - surface.position);
   edge.cos_light_end = cosine(surface, w);
   edge.transmittance = world.transmittance(medium, edge.distance);
-  if (!world.is_visible(surface, projection->ray.origin)) return std::nullopt;
+  if (!world.is_visible(surface, projection->ray.start())) return std::nullopt;
   return sampled;
 }
 

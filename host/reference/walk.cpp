@@ -238,6 +238,14 @@ WalkVertex arrive(const World& world, const Surface& surface, double distance, W
   return vertex;
 }
 
+bool end_by_range(const World& world, const LightPoint& point, WalkVertex& vertex, WalkState& state) {
+  const double share = range_share(world, point, vertex.edge.distance);
+  vertex.edge.transmittance *= share;
+  vertex.throughput *= share;
+  state.throughput *= share;
+  return share > 0;
+}
+
 bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
                          const dvec4& u, const Regularization& regularization) {
   const auto survival = [&](const dvec3& weight, const BsdfSample& step) {
@@ -276,7 +284,7 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
   Footprint footprint = footprint_at_lens(camera);
-  Ray ray{state.position, state.direction};
+  Ray ray{state.position, state.direction, subpath.ray.nearest, subpath.ray.farthest};
   Surface start_surface;
   const Surface* start = nullptr;
   double cos_start = 1;
@@ -333,6 +341,10 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
     if (!vertex) break;
     subpath.vertices.push_back(*vertex);
     WalkVertex& reached = subpath.vertices.back();
+    if (bounce == 0 && !end_by_range(world, subpath.point, reached, state)) {
+      subpath.vertices.pop_back();
+      break;
+    }
     if (bounce == 0)
       subpath.end.connect_pdf = connection_pdf(world, subpath.point, reached.surface, reached.w_back);
     if (bounce + 2 == settings.max_depth) break;

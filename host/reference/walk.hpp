@@ -101,6 +101,10 @@ struct WalkState {
 WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
                   double cos_start, bool is_from_camera);
 
+/// Takes the share that the light of limited range at the walk's start sends to its first vertex. False if
+/// that is nothing: the walk has no vertex then.
+bool end_by_range(const World& world, const LightPoint& point, WalkVertex& vertex, WalkState& state);
+
 /// Samples the next direction of a camera walk (of a light walk) at its vertex `bounce` + 1 with the block
 /// `u`, and plays Russian roulette. False if the walk ends there.
 bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,

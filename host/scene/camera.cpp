@@ -1,4 +1,5 @@
 // make_camera: the scene's camera for a film size.
+#include <algorithm>
 #include <cmath>
 
 #include "scene/scene.hpp"
@@ -25,7 +26,10 @@ interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_
   const glm::dvec3 up = glm::cross(right, forward);
 
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
-  const double half_height = camera.is_orthographic ? camera.y_magnification : std::tan(0.5 * camera.y_fov);
+  // The frame is never cut (glTF 2.0, 3.10.3): where the film is narrower, it sees more above and below.
+  const double widening = std::max(camera.aspect_ratio / aspect, 1.0);
+  const double half_height =
+      widening * (camera.is_orthographic ? camera.y_magnification : std::tan(0.5 * camera.y_fov));
   interface::Camera result {};
   result.position = glm::vec3(to_world[3]);
   result.kind = camera.is_orthographic ? interface::CAMERA_ORTHOGRAPHIC : interface::CAMERA_PERSPECTIVE;
@@ -34,6 +38,8 @@ interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_
   result.right = glm::vec3(right * half_height * aspect);
   result.focus_distance = camera.focus_distance;
   result.up = glm::vec3(up * half_height);
+  result.z_near = camera.z_near;
+  result.z_far = camera.z_far;
   return result;
 }
 

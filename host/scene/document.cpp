@@ -109,13 +109,23 @@ std::vector<std::string> strings(const json& document, const char* member) {
   return result;
 }
 
+/// What to know of an extension that is left out on purpose.
+std::string_view note_on_extension(std::string_view name) {
+  if (name == "KHR_materials_diffuse_transmission")
+    return ": it waits for its successor to be ratified, surfaces let no diffuse light through";
+  if (name == "KHR_texture_basisu") return ": textures are read from PNG, JPEG and WebP files, not from KTX2";
+  return "";
+}
+
 void check_extensions(Document& document) {
   const std::vector<std::string> required = strings(document.json, "extensionsRequired");
   for (const std::string& name : required)
     if (!is_known_extension(name))
-      document.fail(fmt::format("requires the extension {}, which is not read; export without it", name));
+      document.fail(fmt::format("requires the extension {}, which is not read; export without it{}", name,
+                                note_on_extension(name)));
   for (const std::string& name : document.extensions_used())
-    if (!is_known_extension(name)) document.warn(fmt::format("extension {} is not read", name));
+    if (!is_known_extension(name))
+      document.warn(fmt::format("extension {} is not read{}", name, note_on_extension(name)));
 }
 
 /// Indices without a buffer view, for which zeros stand (or what Draco decodes), are refused by tinygltf:

@@ -120,7 +120,7 @@ uint32_t light_features(const Scene& scene, const interface::Light& light) {
     return interface::FEATURE_ENVIRONMENT |
            (scene.environment->is_map() ? interface::FEATURE_ENVIRONMENT_MAP : 0u);
   if (light.kind == interface::LIGHT_DIRECTIONAL) return interface::FEATURE_DIRECTIONAL_LIGHTS;
-  return interface::FEATURE_POINT_LIGHTS;
+  return interface::FEATURE_POINT_LIGHTS | (light.area > 0 ? interface::FEATURE_LIGHT_RANGES : 0u);
 }
 
 bool is_smooth(const Scene& scene, const interface::Triangle& triangle) {
@@ -181,6 +181,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",
                          "the question whether a surface is there, in traversal and light sampling"},
+      FeatureDescription{FEATURE_CLIPPING, "clipping", "the planes between which cameras see"},
+      FeatureDescription{FEATURE_LIGHT_RANGES, "light_ranges", "the ends of lights of limited range"},
       FeatureDescription{FEATURE_INSTANCES, "instances",
                          "trees of meshes below the scene's, and the placing of their triangles"}};
   return DESCRIPTIONS;
@@ -216,6 +218,9 @@ Features find_features(const Scene& scene) {
   }
   for (const interface::Light& light : scene.lights) features.bits |= light_features(scene, light);
   if (scene.lights.size() > 1) features.bits |= interface::FEATURE_MANY_LIGHTS;
+  if (std::any_of(scene.cameras.begin(), scene.cameras.end(),
+                  [](const SceneCamera& camera) { return camera.z_near > 0 || camera.z_far < NO_FAR_PLANE; }))
+    features.bits |= interface::FEATURE_CLIPPING;
   return features;
 }
 

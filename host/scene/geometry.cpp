@@ -48,8 +48,11 @@ void warn_of_skipped(Document& document, const std::vector<PlacedNode>& places) 
   uint64_t skipped = 0;
   for (const PlacedNode& placed : places) {
     const auto& primitives = document.model.meshes[mesh_index(document, placed)].primitives;
-    skipped += static_cast<uint64_t>(std::count_if(
-        primitives.begin(), primitives.end(), [](const auto& primitive) { return !is_drawn(primitive); }));
+    // Those that are left out have lost all attributes, and were named.
+    skipped +=
+        static_cast<uint64_t>(std::count_if(primitives.begin(), primitives.end(), [](const auto& primitive) {
+          return !is_drawn(primitive) && !primitive.attributes.empty();
+        }));
   }
   if (skipped != 0)
     document.warn(

@@ -77,15 +77,27 @@ class InstanceReader {
   std::optional<uint64_t> count_;
 };
 
+/// Nothing, with a warning, if the attributes are broken.
+std::optional<InstanceReader> open_instances(Document& document, size_t node,
+                                             const tinygltf::Value& extension) {
+  try {
+    return InstanceReader(document, node, extension);
+  } catch (const Error& error) {
+    document.mend(error, "one instance, where the node stands");
+    return std::nullopt;
+  }
+}
+
 uint64_t count_places(Document& document, const std::vector<PlacedNode>& nodes) {
   uint64_t places = 0;
   for (const PlacedNode& placed : nodes) {
     const tinygltf::Node& node = document.model.nodes[placed.node];
     if (node.mesh < 0 || !placed.is_visible) continue;
     const auto extension = node.extensions.find("EXT_mesh_gpu_instancing");
-    places += extension == node.extensions.end() || node.skin >= 0
-                  ? 1
-                  : InstanceReader(document, placed.node, extension->second).count();
+    const bool is_instanced = extension != node.extensions.end() && node.skin < 0;
+    const std::optional<InstanceReader> instances =
+        is_instanced ? open_instances(document, placed.node, extension->second) : std::nullopt;
+    places += instances ? instances->count() : 1;
   }
   return places;
 }
@@ -106,9 +118,13 @@ std::vector<PlacedNode> place_meshes(Document& document, const std::vector<Place
     if (extension == node.extensions.end() || node.skin >= 0) {
       places.push_back(placed);
     } else {
-      InstanceReader instances(document, placed.node, extension->second);
-      for (uint64_t i = 0; i < instances.count(); ++i)
-        places.push_back({placed.node, placed.to_world * instances.at(i)});
+      std::optional<InstanceReader> instances = open_instances(document, placed.node, extension->second);
+      if (!instances) {
+        places.push_back(placed);
+        continue;
+      }
+      for (uint64_t i = 0; i < instances->count(); ++i)
+        places.push_back({placed.node, placed.to_world * instances->at(i)});
     }
   }
   return places;

@@ -6,9 +6,11 @@
 #include <new>
 
 #include "base/error.hpp"
+#include "scene/clipping.hpp"
 #include "scene/document.hpp"
 #include "scene/environment_file.hpp"
 #include "scene/geometry.hpp"
+#include "scene/image_based_light.hpp"
 #include "scene/instancing.hpp"
 #include "scene/material.hpp"
 #include "scene/nodes.hpp"
@@ -131,6 +133,7 @@ std::string describe(const LoadOptions& options) {
 std::string cause_of_emptiness(const Document& document, const std::optional<size_t>& scene_index,
                                const std::vector<PlacedNode>& nodes, double extent) {
   if (!document.first_loss.empty()) return document.first_loss;
+  const auto counted = [](size_t count) { return count == 1 ? "1 mesh" : fmt::format("{} meshes", count); };
   const size_t meshes = document.model.meshes.size();
   if (meshes == 0) return "the file has no mesh; choose another file";
   const auto has_mesh = [&](size_t node) { return document.model.nodes[node].mesh >= 0; };
@@ -143,11 +146,11 @@ std::string cause_of_emptiness(const Document& document, const std::optional<siz
     bool is_placed_elsewhere = false;
     for (size_t i = 0; i < document.model.nodes.size(); ++i) is_placed_elsewhere |= has_mesh(i);
     if (!is_placed_elsewhere || !scene_index)
-      return fmt::format("{} meshes, but no node places them; add nodes that do", meshes);
+      return counted(meshes) + ", but no node places them; add nodes that do";
     return fmt::format(
-        "{} meshes, but no node of scene {} places them; choose another with --scene, or list their nodes in "
+        "{}, but no node of scene {} places them; choose another with --scene, or list their nodes in "
         "it",
-        meshes, *scene_index);
+        counted(meshes), *scene_index);
   }
   if (visible == 0)
     return fmt::format("all {} nodes with a mesh are invisible (KHR_node_visibility); show one", placed);
@@ -157,7 +160,8 @@ std::string cause_of_emptiness(const Document& document, const std::optional<siz
         "it up",
         extent);
   return fmt::format(
-      "{} meshes are placed, but they have no triangle with an area; choose another scene or file", placed);
+      "none of the meshes that {} nodes place has a triangle with an area; choose another scene or file",
+      placed);
 }
 
 Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
@@ -187,6 +191,7 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   add_materials(document, scene);
   add_punctual_lights(document, nodes, scene);
   add_cameras(document, nodes, scene);
+  drop_idle_planes(scene);
   scene.inventory = take_inventory(document, places.size());
   scene.inventory.has_cameras = !scene.cameras.empty();
   if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
@@ -194,6 +199,8 @@ Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& optio
   if (scene_index) read_settings(document, *scene_index, scene);
   scene.environment = read_environment(
       document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
+  if (!scene.environment && scene_index)
+    scene.environment = read_image_based_light(document, *scene_index, options.environment);
   scene.warnings = document.warnings;
   if (document.unsaid_warnings > 0)
     scene.warnings.push_back(fmt::format("{} more warnings are left out", document.unsaid_warnings));

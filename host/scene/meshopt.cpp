@@ -3,6 +3,7 @@
 #include <meshoptimizer.h>
 
 #include "scene/compression.hpp"
+#include "scene/meshopt_attributes.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -12,6 +13,8 @@ using nlohmann::json;
 // Sixteen bytes of a vertex stream may take two bits, an index no less than a third of a byte: a header that
 // claims more than this many decoded bytes per encoded one lies.
 constexpr uint64_t MAX_EXPANSION = 128;
+// In version 1 of attributes 256 elements that do not change take two bits a byte of one element.
+constexpr uint64_t MAX_EXPANSION_1 = 1024;
 
 struct CompressedView {
   std::string element;
@@ -48,7 +51,8 @@ CompressedView read_header(const Document& document, const json& view, const jso
     document.fail(
         fmt::format("{}: {} elements of {} bytes are not the {} bytes of the view; export the file again",
                     result.element, result.count, result.stride, decoded));
-  if (decoded > MAX_EXPANSION * (length + 16))
+  const bool is_version_1 = !result.source.empty() && result.source[0] == MESHOPT_ATTRIBUTES_1;
+  if (decoded > (is_version_1 ? MAX_EXPANSION_1 : MAX_EXPANSION) * (length + 16))
     document.fail(fmt::format("{} declares {} bytes in {}, which cannot be; export the file again",
                               result.element, decoded, length));
   return result;
@@ -72,6 +76,8 @@ void check_layout(const Document& document, const CompressedView& view) {
   require(is_attributes, "only attributes are filtered");
   if (view.filter == "OCTAHEDRAL")
     require(view.stride == 4 || view.stride == 8, "octahedral vectors have 4 or 8 bytes");
+  else if (view.filter == "COLOR")
+    require(view.stride == 4 || view.stride == 8, "colours have 4 or 8 bytes");
   else if (view.filter == "QUATERNION")
     require(view.stride == 8, "quaternions have 8 bytes");
   else
@@ -84,7 +90,9 @@ Bytes decode(Document& document, const CompressedView& view) {
   Bytes bytes(view.stride * view.count);
   const auto* source = view.source.data();
   int status = 0;
-  if (view.mode == "ATTRIBUTES")
+  if (view.mode == "ATTRIBUTES" && !view.source.empty() && source[0] == MESHOPT_ATTRIBUTES_1)
+    status = decode_meshopt_attributes(bytes, view.stride, view.source) ? 0 : -1;
+  else if (view.mode == "ATTRIBUTES")
     status = meshopt_decodeVertexBuffer(bytes.data(), view.count, view.stride, source, view.source.size());
   else if (view.mode == "TRIANGLES")
     status = meshopt_decodeIndexBuffer(bytes.data(), view.count, view.stride, source, view.source.size());
@@ -95,6 +103,7 @@ Bytes decode(Document& document, const CompressedView& view) {
         fmt::format("{} cannot be decoded (status {}); export the file again", view.element, status));
   if (view.filter == "OCTAHEDRAL") meshopt_decodeFilterOct(bytes.data(), view.count, view.stride);
   if (view.filter == "QUATERNION") meshopt_decodeFilterQuat(bytes.data(), view.count, view.stride);
+  if (view.filter == "COLOR") decode_meshopt_colors(bytes, view.stride);
   if (view.filter == "EXPONENTIAL") meshopt_decodeFilterExp(bytes.data(), view.count, view.stride);
   return bytes;
 }

@@ -140,9 +140,12 @@ std::vector<PlacedNode> place_nodes(Document& document, std::optional<size_t> sc
   while (!stack.empty()) {
     const PlacedNode top = stack.back();
     stack.pop_back();
-    if (is_placed[top.node])
-      document.fail(fmt::format("{} is placed twice in the scene; list only root nodes, once each",
-                                node_name(document, top.node)));
+    if (is_placed[top.node]) {
+      document.mend(fmt::format("{} is placed twice in the scene; list only root nodes, once each",
+                                node_name(document, top.node)),
+                    "once");
+      continue;
+    }
     is_placed[top.node] = true;
     const glm::dmat4 to_world = top.to_world * local_transform(document, top.node);
     if (!is_finite(to_world))
@@ -152,7 +155,8 @@ std::vector<PlacedNode> place_nodes(Document& document, std::optional<size_t> sc
     const bool is_visible = top.is_visible && is_shown(node);
     placed.push_back({.node = top.node, .to_world = to_world, .is_visible = is_visible});
     for (size_t i = node.children.size(); i-- > 0;)
-      stack.push_back({.node = static_cast<size_t>(node.children[i]), .to_world = to_world, .is_visible = is_visible});
+      stack.push_back(
+          {.node = static_cast<size_t>(node.children[i]), .to_world = to_world, .is_visible = is_visible});
   }
   return placed;
 }

@@ -21,13 +21,23 @@ glm::vec3 world_direction(const glm::dmat4& to_world, const glm::dvec3& axis) {
   return length > 0 ? glm::vec3(direction / length) : glm::vec3(0, 0, -1);
 }
 
+/// `otherwise`, with a warning, for values that are not positive numbers of single precision.
+double positive_or(Document& document, double value, double otherwise, const std::string& element) {
+  if (static_cast<float>(value) > 0 && std::isfinite(static_cast<float>(value))) return value;
+  document.mend(fmt::format("{} is {:g} and must be greater than 0; correct it", element, value),
+                otherwise > 0 ? fmt::format("taken as {:g}", otherwise) : "ignored");
+  return otherwise;
+}
+
 void set_cone(Document& document, const tinygltf::Light& source, const std::string& name,
               interface::Light& light) {
   double outer = source.spot.outerConeAngle;
   double inner = source.spot.innerConeAngle;
   if (!(outer > 0 && outer <= glm::half_pi<double>() * (1 + 1e-6) && inner >= 0 && inner < outer)) {
-    document.warn(fmt::format("{}: cone angles {:g} and {:g} are clamped to 0 <= inner < outer <= pi/2", name,
-                              inner, outer));
+    document.mend(
+        fmt::format("{}: cone angles {:g} and {:g} are not 0 <= inner < outer <= pi/2; correct them", name,
+                    inner, outer),
+        "clamped");
     outer = std::clamp(outer, 0.0, glm::half_pi<double>());
     inner = std::clamp(inner, 0.0, outer);
   }
@@ -47,11 +57,11 @@ void add_light(Document& document, const PlacedNode& placed, size_t index, Scene
   } else if (source.type == "directional") {
     light.kind = interface::LIGHT_DIRECTIONAL;
   } else {
-    document.warn(fmt::format("{}: type '{}' is unknown; the light is skipped", name, source.type));
+    document.mend(fmt::format("{}: type '{}' is unknown; correct it", name, source.type), "left out");
     return;
   }
-  if (source.range > 0)
-    document.warn(fmt::format("{}: range is ignored: light falls off by distance alone", name));
+  if (light.kind != interface::LIGHT_DIRECTIONAL && source.range != 0)
+    light.area = static_cast<float>(positive_or(document, source.range, 0, name + ": range"));
   light.triangle = interface::INVALID_INDEX;
   light.material = interface::INVALID_INDEX;
   light.position = glm::vec3(placed.to_world[3]);
@@ -59,16 +69,10 @@ void add_light(Document& document, const PlacedNode& placed, size_t index, Scene
   for (int i = 0; i < 3; ++i) {
     const double color = source.color.empty() ? 1.0 : source.color[static_cast<size_t>(i)];
     const double value = color * source.intensity;
-    if (value < 0) document.fail(name + ": its intensity is negative; correct it");
-    light.intensity[i] = finite_float(document, value, name + ": intensity");
+    if (value < 0) document.mend(name + ": its intensity is negative; correct it", "dark");
+    light.intensity[i] = finite_float(document, std::max(value, 0.0), name + ": intensity");
   }
   scene.lights.push_back(light);
-}
-
-double positive(const Document& document, double value, const std::string& element) {
-  if (!(value > 0) || !std::isfinite(static_cast<float>(value)))
-    document.fail(fmt::format("{} is {:g} and must be greater than 0; correct it", element, value));
-  return value;
 }
 
 /// Thin lens of a camera: cameras[].extras.regulus.{lens_radius, focus_distance}, in metres.
@@ -84,10 +88,26 @@ void set_lens(Document& document, size_t index, const std::string& name, SceneCa
       continue;
     }
     const float number = finite_float(document, value.get<double>(), fmt::format("{}: {}", name, key));
-    if (number < 0 || (number == 0 && key == "focus_distance"))
-      document.fail(fmt::format("{}: {} must be greater than 0; correct it", name, key));
+    if (number < 0 || (number == 0 && key == "focus_distance")) {
+      document.mend(fmt::format("{}: {} must be greater than 0; correct it", name, key), "ignored");
+      continue;
+    }
     (key == "lens_radius" ? camera.lens_radius : camera.focus_distance) = number;
   }
+}
+
+/// znear and zfar. A plane at 0 is none.
+void set_planes(Document& document, const tinygltf::Camera& source, const std::string& name,
+                SceneCamera& camera) {
+  const bool is_orthographic = source.type == "orthographic";
+  const double nearest = is_orthographic ? source.orthographic.znear : source.perspective.znear;
+  const double farthest = is_orthographic ? source.orthographic.zfar : source.perspective.zfar;
+  if (!(nearest >= 0 && (farthest == 0 || farthest > nearest) && nearest < double{NO_FAR_PLANE}))
+    return document.mend(fmt::format("{}: znear {:g} and zfar {:g} are not 0 <= znear < zfar; correct them",
+                                     name, nearest, farthest),
+                         "nothing is clipped");
+  camera.z_near = static_cast<float>(nearest);
+  if (farthest != 0) camera.z_far = static_cast<float>(std::min(farthest, double{NO_FAR_PLANE}));
 }
 
 SceneCamera make_scene_camera(Document& document, const PlacedNode& placed, size_t index) {
@@ -99,17 +119,23 @@ SceneCamera make_scene_camera(Document& document, const PlacedNode& placed, size
   camera.is_orthographic = source.type == "orthographic";
   if (camera.is_orthographic) {
     camera.x_magnification =
-        static_cast<float>(positive(document, std::fabs(source.orthographic.xmag), name + ": xmag"));
+        static_cast<float>(positive_or(document, std::fabs(source.orthographic.xmag), 1, name + ": xmag"));
     camera.y_magnification =
-        static_cast<float>(positive(document, std::fabs(source.orthographic.ymag), name + ": ymag"));
+        static_cast<float>(positive_or(document, std::fabs(source.orthographic.ymag), 1, name + ": ymag"));
     camera.aspect_ratio = camera.x_magnification / camera.y_magnification;
   } else {
-    camera.y_fov = static_cast<float>(positive(document, source.perspective.yfov, name + ": yfov"));
-    if (camera.y_fov >= glm::pi<float>() * 0.999f)
-      document.fail(fmt::format("{}: yfov {:g} is not below pi; correct it", name, camera.y_fov));
-    if (source.perspective.aspectRatio > 0)
-      camera.aspect_ratio = finite_float(document, source.perspective.aspectRatio, name + ": aspectRatio");
+    const float usual = camera.y_fov;
+    camera.y_fov = static_cast<float>(positive_or(document, source.perspective.yfov, usual, name + ": yfov"));
+    if (camera.y_fov >= glm::pi<float>() * 0.999f) {
+      document.mend(fmt::format("{}: yfov {:g} is not below pi; correct it", name, camera.y_fov),
+                    fmt::format("taken as {:g}", usual));
+      camera.y_fov = usual;
+    }
+    if (source.perspective.aspectRatio != 0)
+      camera.aspect_ratio = static_cast<float>(
+          positive_or(document, source.perspective.aspectRatio, 0, name + ": aspectRatio"));
   }
+  set_planes(document, source, name, camera);
   set_lens(document, index, name, camera);
   return camera;
 }

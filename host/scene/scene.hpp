@@ -18,6 +18,8 @@
 
 namespace regulus::scene {
 
+inline constexpr float NO_FAR_PLANE = 3.4e38f;  ///< m
+
 /// A camera as the file gives it; becomes an interface::Camera once the film size is known.
 struct SceneCamera {
   std::string name;
@@ -28,6 +30,7 @@ struct SceneCamera {
   float x_magnification = 1, y_magnification = 1;  ///< half extents, metres; orthographic
   float lens_radius = 0;                           ///< metres; 0: pinhole
   float focus_distance = 1;                        ///< metres
+  float z_near = 0, z_far = NO_FAR_PLANE;          ///< depths between which it sees, metres
 };
 
 /// What the file holds and what became of it, for `regulus inspect`.
@@ -121,8 +124,9 @@ void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 /// warning.
 void build_lights(Scene& scene);
 
-/// The camera for a film of width x height pixels. The vertical field of view is kept; a film wider or
-/// narrower than the camera's aspect ratio sees more or less to the sides.
+/// The camera for a film of width x height pixels. The frame that the camera's aspect ratio gives is never
+/// cut: a wider film sees more to the sides, a narrower one more above and below. Without an aspect ratio the
+/// vertical field of view is kept.
 interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_t height);
 
 /// A feature a scene may have and what kernels are rid of where it has not.

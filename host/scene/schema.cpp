@@ -24,7 +24,8 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 19> KNOWN_EXTENSIONS = {"EXT_mesh_gpu_instancing",
+constexpr std::array<std::string_view, 20> KNOWN_EXTENSIONS = {"EXT_lights_image_based",
+                                                               "EXT_mesh_gpu_instancing",
                                                                "EXT_meshopt_compression",
                                                                "EXT_texture_webp",
                                                                "KHR_draco_mesh_compression",
@@ -57,6 +58,7 @@ enum class Kind {
   Numbers,  // any number of them
   Boolean,
   String,
+  Any,  // checked by who reads it
   Object,
   ObjectArray
 };
@@ -192,8 +194,13 @@ const std::map<std::pair<std::string_view, std::string_view>, Rule>& extension_r
       {{"EXT_meshopt_compression", "mode"}, {Kind::String}},
       {{"EXT_meshopt_compression", "filter"}, {Kind::String}},
       {{"EXT_meshopt_compression", "fallback"}, {Kind::Boolean}},
+      {{"KHR_meshopt_compression", "mode"}, {Kind::String}},
+      {{"KHR_meshopt_compression", "filter"}, {Kind::String}},
+      {{"KHR_meshopt_compression", "fallback"}, {Kind::Boolean}},
       {{"KHR_draco_mesh_compression", "attributes"}, {Kind::IntegerMap}},
       {{"KHR_materials_variants", "variants"}, {Kind::ObjectArray}},
+      {{"EXT_lights_image_based", "lights"}, {Kind::Any}},
+      {{"EXT_lights_image_based", "light"}, {Kind::Any}},
       {{"KHR_materials_pbrSpecularGlossiness", "specularFactor"}, {Kind::Vector, {}, 3}},
       {{"normalTexture", "scale"}, {Kind::Number}},
       {{"KHR_texture_transform", "offset"}, {Kind::Vector, {}, 2}},
@@ -316,6 +323,8 @@ class Checker {
         return require_whole(value, key, path);
       case Kind::ObjectArray:
         return check_objects(value, path);
+      case Kind::Any:
+        return;
     }
   }
 

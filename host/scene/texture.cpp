@@ -22,11 +22,6 @@ int image_of(const tinygltf::Texture& texture) {
   return texture.source;
 }
 
-/// IEC 61966-2-1 decoding.
-double srgb_to_linear(double encoded) {
-  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
-}
-
 uint32_t half_bits(double value) {
   return glm::packHalf1x16(static_cast<float>(value));
 }
@@ -112,6 +107,10 @@ int64_t wrap(int64_t i, int64_t size, uint32_t mode) {
 
 }  // namespace
 
+double srgb_to_linear(double encoded) {
+  return encoded <= 0.04045 ? encoded / 12.92 : std::pow((encoded + 0.055) / 1.055, 2.4);
+}
+
 uint32_t TextureLoader::load(int texture, TextureContent content, const interface::Texture& placement) {
   const glm::vec3 &u = placement.map_u, &v = placement.map_v;
   const Key key(texture, content, placement.flags, {u.x, u.y, u.z, v.x, v.y, v.z});
@@ -139,7 +138,7 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
 
   const std::string element = fmt::format("{} image {}", texture, image);
   const uint64_t held = document_.files.held_bytes();
-  const Bytes bytes = image_bytes(image, element);
+  const Bytes bytes = image_bytes(document_, image, element);
   std::string reason;
   const auto header = read_image_header(bytes, reason);
   if (!header) document_.fail(element + " " + reason);
@@ -169,13 +168,13 @@ uint32_t TextureLoader::add_image(size_t image, uint32_t flags, std::vector<uint
   return index;
 }
 
-Bytes TextureLoader::image_bytes(size_t image, const std::string& element) {
-  document_.require_whole("images", image, element);
-  const nlohmann::json& source = document_.images[image];
-  if (source.contains("uri")) return document_.read_uri(source["uri"].get<std::string>(), element);
+Bytes image_bytes(Document& document, size_t image, const std::string& element) {
+  document.require_whole("images", image, element);
+  const nlohmann::json& source = document.images[image];
+  if (source.contains("uri")) return document.read_uri(source["uri"].get<std::string>(), element);
   if (!source.contains("bufferView"))
-    document_.fail(element + " has neither uri nor bufferView; export the file again");
-  const auto view = document_.view(source["bufferView"].get<int>(), element);
+    document.fail(element + " has neither uri nor bufferView; export the file again");
+  const auto view = document.view(source["bufferView"].get<int>(), element);
   return Bytes(view.begin(), view.end());
 }
 

@@ -31,6 +31,12 @@ struct TextureContent {
 inline constexpr TextureContent TextureContent::Color{true};
 inline constexpr TextureContent TextureContent::Data{false};
 
+/// IEC 61966-2-1 decoding of a value in [0, 1].
+double srgb_to_linear(double encoded);
+
+/// The file of an image. @throws Error naming `element` if it cannot be read.
+Bytes image_bytes(Document& document, size_t image, const std::string& element);
+
 /// Decodes glTF textures into Scene::textures on demand; each image once per content, 8-bit codes stored once
 /// for all.
 class TextureLoader {
@@ -44,7 +50,6 @@ class TextureLoader {
 
  private:
   interface::Texture load_image(size_t image, TextureContent content, const std::string& element);
-  Bytes image_bytes(size_t image, const std::string& element);
   /// Index into Scene::images of an image with these TEXTURE_* flags.
   uint32_t add_image(size_t image, uint32_t flags, std::vector<uint32_t> words);
 

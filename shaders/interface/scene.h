@@ -143,7 +143,7 @@ struct Light {
   vec3 direction;           // spot, directional: unit, the way the light travels
   uint material;            // LIGHT_TRIANGLE: for textured emission
   vec3 intensity;           // triangle: radiance factor; point, spot: W/sr (cd); directional: W/m^2 (lx)
-  float area;               // LIGHT_TRIANGLE: m^2
+  float area;               // LIGHT_TRIANGLE: m^2; point, spot: the distance at which its light ends, m; 0: nowhere
 };
 REGULUS_LAYOUT(Light, 64);
 
@@ -223,9 +223,9 @@ struct Camera {
   vec3 right;
   float focus_distance;  // m, along forward
   vec3 up;
-  float reserved;
+  float z_near, z_far;  // m along forward: nothing before or behind is seen. Only with FEATURE_CLIPPING
 };
-REGULUS_LAYOUT(Camera, 64);
+REGULUS_LAYOUT(Camera, 68);
 
 REGULUS_INTERFACE_END
 

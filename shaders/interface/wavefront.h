@@ -81,6 +81,8 @@ REGULUS_CONSTANT FEATURE_ABSORPTION = 64u;         // some volume attenuates
 REGULUS_CONSTANT FEATURE_MANY_LIGHTS = 128u;       // more than one light: the alias table is read
 REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals differ from its geometric normal
 REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
+REGULUS_CONSTANT FEATURE_CLIPPING = 1u << 12;      // some camera has a clipping plane that hides something
+REGULUS_CONSTANT FEATURE_LIGHT_RANGES = 1u << 13;  // some point or spot light ends at a distance; implies POINT_LIGHTS
 REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
 REGULUS_CONSTANT FEATURE_ENVIRONMENT = 1024u;      // light from all directions
@@ -356,7 +358,7 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
 };
-REGULUS_LAYOUT(Frame, 652);
+REGULUS_LAYOUT(Frame, 656);
 
 // Push constants of every stage.
 struct StageArguments {

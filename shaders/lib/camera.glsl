@@ -71,6 +71,15 @@ void camera_ray(Camera camera, vec2 film, vec2 size, vec2 u, out vec3 origin, ou
   direction = normalize(direction);
 }
 
+bool has_clipping() { return (spec_features & FEATURE_CLIPPING) != 0u; }
+
+// The part of a camera ray between the clipping planes, as distances along it: nothing before or behind is seen.
+vec2 clipped_range(Camera camera, vec3 direction) {
+  if (!has_clipping()) return vec2(0.0, 3.4e38);
+  float cos_axis = max(dot(direction, camera.forward), 1e-20);
+  return vec2(camera.z_near / cos_axis, min(camera.z_far / cos_axis, 3.4e38));
+}
+
 // Density per pixel area of the filter of a pixel whose centre is `offset` pixels away: what sample_filter draws
 // from.
 float filter_density(vec2 offset, float radius, float sigma) {
@@ -100,9 +109,10 @@ float camera_ray_pdf(Camera camera, vec2 size, vec3 direction) {
 struct LensSample {
   vec3 wi;           // unit, towards the lens
   float distance;    // m, to the lens
+  float open_distance;  // m, to the near clipping plane: what is nearer to the lens hides nothing
   vec2 film;         // pixels
   float pdf;         // area pdf of the point when the camera samples it, without the cosine there
-  bool is_visible;   // in front of the camera (it may still lie outside the film)
+  bool is_visible;   // in front of the camera, between its clipping planes (it may still lie outside the film)
 };
 
 // Connects a point to a point of the lens chosen by u.
@@ -113,6 +123,7 @@ LensSample sample_lens(Camera camera, vec2 size, vec3 position, vec2 u) {
   vec3 to_point = position - camera.position;
   float depth = dot(to_point, camera.forward);
   result.is_visible = depth > 0.0;
+  if (has_clipping()) result.is_visible = result.is_visible && depth >= camera.z_near && depth <= camera.z_far;
   vec2 on_plane = vec2(dot(to_point, right), dot(to_point, up));
   if (camera.kind == CAMERA_ORTHOGRAPHIC) {
     result.wi = -camera.forward;
@@ -130,6 +141,8 @@ LensSample sample_lens(Camera camera, vec2 size, vec3 position, vec2 u) {
     if (camera.lens_radius > 0.0) on_plane += lens / camera.focus_distance;
     result.pdf = camera_ray_pdf(camera, size, -result.wi) / squared;
   }
+  result.open_distance = result.distance;
+  if (has_clipping()) result.open_distance *= 1.0 - camera.z_near / max(depth, 1e-30);
   vec2 ndc = on_plane / half_size;
   result.film = vec2(0.5 + 0.5 * ndc.x, 0.5 - 0.5 * ndc.y) * size;
   return result;

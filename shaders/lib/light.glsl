@@ -95,6 +95,12 @@ float spot_falloff(Light light, float cos_angle) {
   return linear * linear;
 }
 
+// Of the inverse square law: what KHR_lights_punctual recommends for a light of limited range, which ends there.
+float range_share(Light light, float squared_distance) {
+  if ((spec_features & FEATURE_LIGHT_RANGES) == 0u || light.kind == LIGHT_TRIANGLE || light.area == 0.0) return 1.0;
+  return clamp(1.0 - square(squared_distance / square(light.area)), 0.0, 1.0);
+}
+
 LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   vec2 barycentrics = sample_triangle(u);
   Triangle triangle = LOAD(TriangleBuffer, frame.triangles, light.triangle);
@@ -164,6 +170,7 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   result.distance = sqrt(squared);
   result.wi = to_light / result.distance;
   result.radiance = light.intensity / squared;
+  if ((spec_features & FEATURE_LIGHT_RANGES) != 0u) result.radiance *= range_share(light, squared);
   result.emission_ratio = 0.25 * INV_PI / squared;
   if (light.kind == LIGHT_SPOT) {
     float falloff = spot_falloff(light, -dot(light.direction, result.wi));

@@ -44,6 +44,13 @@ float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
   return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
 }
 
+// The share of a light's power that comes as far as the path's first vertex: less than 1 for a light of limited range.
+float first_range_share(Frame frame, Path path, float distance) {
+  if ((spec_features & FEATURE_LIGHT_RANGES) == 0u) return 1.0;
+  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+  return range_share(LOAD(LightBuffer, frame.lights, select_by_power(frame, u.xy)), square(distance));
+}
+
 // edges: of the light path; unweighted: the contribution without its weight.
 void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film, uint edges, vec3 unweighted) {
   uint index = queue_reserve(queue_head(QUEUE_SPLATS));
@@ -96,7 +103,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   vec3 contribution = factor * value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =
-      visibility_segment(point, lens.wi, point.surface.position + lens.distance * lens.wi);
+      visibility_segment(point, lens.wi, point.surface.position + lens.open_distance * lens.wi);
   segment.path = 0u;
   segment.contribution = contribution;
   queue_splat(frame, segment, lens.film, path.bounce + 1u, factor * unweighted);

@@ -14,6 +14,8 @@ void main() {
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
   ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE);
   path.throughput *= transmittance(frame, path.medium, hit.t);
+  if (path.bounce == 0u) path.throughput *= first_range_share(frame, path, hit.t);
+  if ((spec_features & FEATURE_LIGHT_RANGES) != 0u && path.throughput == vec3(0.0)) return;
   bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
   float cos_here = dot(path.direction, point.geometric_normal);
   float connect_ratio = path.bounce == 0u ? first_connect_ratio(frame, point, path) : 1.0;

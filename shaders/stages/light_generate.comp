@@ -16,7 +16,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
   VisibilityCandidate segment;
   segment.origin = offset_origin(emission.point.position, emission.point.clearance, emission.point.normal, lens.wi);
   segment.direction = lens.wi;
-  segment.t_max = lens.distance * SEGMENT_SCALE;
+  segment.t_max = lens.open_distance * SEGMENT_SCALE;
   segment.path = 0u;
   segment.contribution =
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));

@@ -23,7 +23,9 @@ bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
   vec3 origin, direction;
   camera_ray(frame.camera, film, vec2(frame.width, frame.height), u, origin, direction);
   uint tag;
-  hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, 3.4e38, tag);
+  vec2 range = clipped_range(frame.camera, direction);
+  if (has_clipping()) origin += range.x * direction;
+  hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, range.y - range.x, tag);
   if (hit.triangle == INVALID_INDEX) return false;
   point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE);
   return true;

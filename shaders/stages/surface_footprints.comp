@@ -50,7 +50,11 @@ void main() {
   // A path that has ended carries nothing.
   if (path.throughput.x == 0.0) return;
   uint tag;
-  Hit hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, path.origin, path.direction, 3.4e38, tag);
+  vec2 range = vec2(0.0, 3.4e38);
+  if (stage.bounce == 0u) range = clipped_range(frame.camera, path.direction);
+  if (has_clipping()) path.origin += range.x * path.direction;
+  Hit hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, path.origin, path.direction, range.y - range.x, tag);
+  if (has_clipping()) hit.t += range.x;
   bool goes_on = false;
   if (hit.triangle == INVALID_INDEX) {
     footprint.x = uintBitsToFloat(0x7F800000u);

@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/alpha.glsl"
+#include "lib/camera.glsl"
 #include "lib/stage.glsl"
 #include "lib/traversal.glsl"
 
@@ -20,7 +21,11 @@ void main() {
   uint slot = LOAD(WordBuffer, FRAME.ray_queues, ray_queue_base(stage.bounce) + i);
   Path path = LOAD(PathBuffer, FRAME.paths, slot);
   uint tag;
-  Hit hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, path.origin, path.direction, 3.4e38, tag);
+  vec2 range = vec2(0.0, 3.4e38);
+  if (spec_walk == WALK_CAMERA && stage.bounce == 0u) range = clipped_range(FRAME.camera, path.direction);
+  if (has_clipping()) path.origin += range.x * path.direction;
+  Hit hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, path.origin, path.direction, range.y - range.x, tag);
+  if (has_clipping()) hit.t += range.x;
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (hit.triangle == INVALID_INDEX) {
     if (meets_environment()) {

@@ -130,6 +130,24 @@ TEST(DeviceStagesEnvironment, AgreeWithTheReference) {
   expect_agreement(checked);
 }
 
+// Clipping planes, and lights of limited range.
+TEST(DeviceStagesPlanesAndRanges, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  GltfScene scene;
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
+  scene.add(box({-0.6, 0, -0.4}, {-0.1, 0.7, 0.1}), plastic({0.3, 0.6, 0.4}, 0.5));
+  scene.add(box({-0.5, 0, 1.2}, {0.5, 1, 1.4}), lambert({0.9, 0, 0}));
+  scene.add_point_light({0.3, 0.8, 0.3}, {1, 1, 1});
+  scene.add_spot_light({-0.5, 1, 0.5}, {0.3, -1, -0.4}, 2, 0.3, 0.7);
+  scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.9);
+  PreparedScene prepared = prepare(scene);
+  prepared.scene.cameras[0].z_near = 1.3F;
+  prepared.scene.cameras[0].z_far = 2.9F;
+  for (Light& light : prepared.scene.lights) light.area = 1.1F;
+  Checked checked(std::move(prepared));
+  expect_agreement(checked);
+}
+
 // Textures with coordinates of their own, and textures of specular reflection.
 TEST(DeviceStagesTextures, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
