@@ -35,7 +35,6 @@ constexpr double NOISE = 1e-6;         // of the mean of all, below which a valu
 // vertex lies on the merge radius or a segment on an edge.
 constexpr double ALLOWED = 1e-3;
 // Sums on the film are multiples of this; below a million times as much they say nothing of a weight of 1e-5.
-constexpr double FILM_UNIT = 0x1p-40;
 // Of the sum of four cosines that is a filter's window in one direction.
 constexpr double WINDOW_ROUNDINGS = 8 * 0x1p-24;
 // Of Settings::rounding_pattern. Errors of many roundings are nearly normal: that of all eight one is less
@@ -462,11 +461,16 @@ class ConnectionChecker {
     return tally;
   }
 
+  /// Resolution of the film.
+  double film_unit() const {
+    return std::ldexp(1.0, subject_.scene.film_exponents.radiance - int{FILM_FRACTION_BITS});
+  }
+
   void judge_item(const Item& item, const Expected& wanted, double floor, const char* name, Tally& tally,
                   Tally& weights) {
     const double error = relative(item.found, wanted.value(), floor);
     // Two points of one plane are connected at cosines that are nothing but rounding.
-    const double least = std::max(NOISE * floor, item.technique == TECHNIQUE_MERGE ? 1e6 * FILM_UNIT : 0);
+    const double least = std::max(NOISE * floor, item.technique == TECHNIQUE_MERGE ? 1e6 * film_unit() : 0);
     const bool has_weight = wanted.is_one_path && largest(wanted.value()) > least;
     const double weight =
         has_weight ? reference::luminance(item.found) / reference::luminance(wanted.unweighted) : 0;

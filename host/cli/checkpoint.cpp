@@ -63,7 +63,7 @@ void resume(render::Renderer& renderer, const std::filesystem::path& path, const
   if (own.splat_words.size() != film.splat_words.size() ||
       own.earlier_words.size() != film.earlier_words.size() ||
       own.square_words.size() != film.square_words.size() ||
-      own.light_paths_per_iteration != film.light_paths_per_iteration)
+      own.light_paths_per_iteration != film.light_paths_per_iteration || own.exponents != film.exponents)
     throw Error(
         ExitStatus::BadFile,
         fmt::format("{}: holds other sums than this render needs; the file is corrupt", path.string()));

@@ -67,6 +67,9 @@ void require_same_sums(const Part& a, const Part& b) {
       differ(a.film.square_words, b.film.square_words))
     throw Error(ExitStatus::BadFile,
                 fmt::format("{} and {} hold different kinds of sums", a.path.string(), b.path.string()));
+  if (a.film.exponents != b.film.exponents)
+    throw Error(ExitStatus::BadFile,
+                fmt::format("{} and {} hold sums in different units", a.path.string(), b.path.string()));
 }
 
 /// A range and the file that holds it.
@@ -142,6 +145,9 @@ void merge(const MergeOptions& options) {
       image::require_format("OUTPUT", options.output, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
   image::require_writable(options.output);
   Part sum = join_windows(add_samples(options.parts));
+
+  for (const std::string& warning : saturation_warnings(sum.film))
+    fmt::print(stderr, "regulus: warning: {}: {}\n", options.output, warning);
 
   image::ExrContents& contents = sum.contents;
   const std::string samples = std::to_string(sum.film.paths / sum.film.pixels());

@@ -4,10 +4,12 @@
 
 #include <bit>
 #include <charconv>
+#include <cmath>
 #include <numeric>
 #include <set>
 
 #include "base/error.hpp"
+#include "interface/wavefront.h"
 #include "render/film_file.hpp"
 
 namespace regulus::cli {
@@ -28,6 +30,8 @@ const std::set<std::string> OF_THE_RUN = {"regulus:first_sample",
                                           "regulus:paths",
                                           "regulus:light_paths_done",
                                           "regulus:light_paths_per_iteration",
+                                          "regulus:film_exponent",
+                                          "regulus:film_square_exponent",
                                           "regulus:device",
                                           "regulus:driver",
                                           "regulus:render_seconds",
@@ -181,6 +185,24 @@ std::string encode_part(const std::filesystem::path& path, const render::Film& f
   attributes[RANGES] = format_ranges(ranges);
   attributes[CHECKSUM] = checksum_of(attributes, channels, film.width, film.height, placement);
   return image::encode_exr(render::resolve(film), attributes, channels, placement, path.string());
+}
+
+std::vector<std::string> saturation_warnings(const render::Film& film) {
+  std::vector<std::string> warnings;
+  for (const render::FilmLayer& layer : render::FILM_LAYERS) {
+    const uint64_t count = render::count_saturated(film.*layer.words);
+    // What `earlier` holds is in the sums themselves.
+    if (count == 0 || layer.words == &render::Film::earlier_words) continue;
+    const bool is_squares = layer.words == &render::Film::square_words;
+    const int exponent = is_squares ? film.exponents.squares : film.exponents.radiance;
+    warnings.push_back(fmt::format("{} of the film's {} are beyond the {:.3g} that it holds: {}", count,
+                                   is_squares                            ? "sums of squares"
+                                   : layer.words == &render::Film::words ? "sums"
+                                                                         : "sums of splats",
+                                   std::ldexp(1.0, int{interface::FILM_RANGE_BITS} + exponent),
+                                   is_squares ? "their variance is infinite" : "they show too little light"));
+  }
+  return warnings;
 }
 
 void require_same_render(const std::string& name, const image::Attributes& attributes,

@@ -44,6 +44,10 @@ std::string encode_part(const std::filesystem::path& path, const render::Film& f
                         const std::vector<SampleRange>& ranges, image::Attributes attributes,
                         image::Channels channels, const image::Placement& placement);
 
+/// One line for each kind of the film's sums of which some left its range: more light than the scene's lights
+/// let expect, in more samples than there is room for.
+std::vector<std::string> saturation_warnings(const render::Film& film);
+
 /// Checks that two files hold samples of one render: all settings, the scene and the version of Regulus
 /// agree, but for the samples. @throws regulus::Error (BadFile) that names a setting in which they differ
 void require_same_render(const std::string& name, const image::Attributes& attributes,

@@ -23,6 +23,7 @@
 #include "cli/stats.hpp"
 #include "cli/stop_rule.hpp"
 #include "cli/strategy_images.hpp"
+#include "cli/tiled_render.hpp"
 #include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "render/aov.hpp"
@@ -80,6 +81,8 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
   if (statistics.traversal_overruns > 0)
     spdlog::error("{} rays hit the traversal's step bound: a bug, please report the scene",
                   statistics.traversal_overruns);
+  for (const std::string& warning : saturation_warnings(renderer.film()))
+    spdlog::warn("{}: {}", outputs.picture.string(), warning);
   const render::Window window = settings.window();
   const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)",
@@ -135,6 +138,51 @@ void render_by_reference(const RenderOptions& options, const RenderOutputs& outp
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.picture.string(),
                rendered.image.width, rendered.image.height, rendered.samples, seconds);
   require_complete(rendered.samples == settings.samples, outputs);
+}
+
+// A film larger than a buffer. What needs the whole film at a time is for crops.
+void render_by_bands(const RenderOptions& options, const RenderOutputs& outputs, gpu::Device& device,
+                     const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings,
+                     const std::vector<render::Window>& bands) {
+  if (options.time_limit || options.noise_target || !options.sample_range.empty() ||
+      !options.checkpoint.empty() || !options.strategy_images.empty())
+    throw Error(
+        ExitStatus::BadUsage,
+        fmt::format("--time, --noise, --samples, --checkpoint and --strategy-images need the whole film in a "
+                    "buffer of the device, which holds {} of {} rows; render parts with --crop",
+                    bands.front().height, settings.window().height));
+  catch_interrupts();
+  TiledRender rendered;
+  {
+    ProgressLine progress(!options.is_quiet);
+    rendered = render_in_bands(device, scene, bvh, settings, bands, [&](uint64_t done, uint64_t total) {
+      progress.update(done, total);
+      return !is_interrupted();
+    });
+  }
+  const uint64_t pixels = settings.window().pixels();
+  image::Attributes attributes = scene_attributes(scene, settings);
+  attributes["regulus:device"] = device.info().name;
+  attributes["regulus:driver"] = device.info().driver;
+  attributes["regulus:samples_done"] = std::to_string(rendered.paths / pixels);
+  attributes["regulus:render_seconds"] = fmt::format("{:.3f}", rendered.render_seconds);
+  attributes["regulus:non_finite"] = std::to_string(rendered.non_finite);
+  OutputWriter writer;
+  writer.write(outputs.picture, [&] {
+    return image::encode_picture(outputs.format, rendered.image, options.exposure_ev, attributes,
+                                 rendered.channels, placement_of(settings), outputs.picture.string());
+  });
+  write_others(writer, outputs, options, rendered.image, nlohmann::json(attributes));
+  writer.throw_failures();
+  for (const std::string& warning : rendered.warnings)
+    spdlog::warn("{}: {}", outputs.picture.string(), warning);
+  if (rendered.non_finite > 0 || rendered.overruns > 0)
+    spdlog::error(
+        "{} samples were not finite, {} rays hit the traversal's step bound: a bug, please report the scene",
+        rendered.non_finite, rendered.overruns);
+  spdlog::info("{}: {}x{} in {} bands, {:.2f} s", outputs.picture.string(), rendered.image.width,
+               rendered.image.height, bands.size(), rendered.render_seconds);
+  require_complete(rendered.paths == pixels * settings.samples, outputs);
 }
 
 // A word more than what was asked for, which is the picture.
@@ -218,6 +266,8 @@ void render_scene(CLI::App& command, RenderOptions& options) {
     spdlog::info("device {}: software, rendering on the CPU", device.info().name);
   else
     spdlog::info("device {}", device.info().name);
+  const std::vector<render::Window> bands = film_bands(device, settings, options.band_pixels);
+  if (bands.size() > 1) return render_by_bands(options, outputs, device, scene, bvh, settings, bands);
   render::Renderer renderer(device, scene, bvh, settings);
   times.pipeline_seconds = device.pipeline_seconds();
   if (earlier) resume(renderer, options.checkpoint, *earlier);

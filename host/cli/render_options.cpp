@@ -371,6 +371,10 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->capture_default_str();
   command.add_option("--wave", settings.wave_paths,
                      "Paths in flight (default: chosen for the device; never changes the image)");
+  command.add_option(
+      "--band", options.band_pixels,
+      "Pixels rendered at once, in bands of rows (default: as the device's buffers hold; never "
+      "changes the image)");
   command.add_option("--stats", options.stats, "JSON file with times, rays and memory");
   command.add_option("--checkpoint", options.checkpoint,
                      "File from which --resume can go on; itself an OpenEXR picture and a part for merge");

@@ -47,6 +47,7 @@ struct RenderOptions {
   std::string variant;      ///< of materials; empty: the scene's
   std::string environment;  ///< file; empty: the scene's
   std::optional<double> environment_rotation, environment_scale;
+  uint64_t band_pixels = 0;          ///< rendered at once, at most; 0: what the device's buffers hold
   bool has_no_sample_limit = false;  ///< render until the time or the noise is reached
   bool allow_external = false;
   bool is_strict = false;

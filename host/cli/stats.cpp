@@ -120,6 +120,14 @@ nlohmann::json stages_json(const render::RenderSettings& settings, const scene::
   return stages;
 }
 
+// By name of the film's sums: how many left its range.
+nlohmann::json saturated_json(const render::Film& film) {
+  nlohmann::json saturated;
+  for (const render::FilmLayer& layer : render::FILM_LAYERS)
+    saturated[layer.name] = render::count_saturated(film.*layer.words);
+  return saturated;
+}
+
 }  // namespace
 
 nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
@@ -147,6 +155,8 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"samples_per_second", static_cast<double>(statistics.paths - statistics.resumed_paths) /
                                      std::max(statistics.render_seconds, 1e-9)},
           {"non_finite", statistics.non_finite},
+          {"film_exponents", {scene.film_exponents.radiance, scene.film_exponents.squares}},
+          {"saturated", saturated_json(renderer.film())},
           {"traversal_overruns", statistics.traversal_overruns},
           {"submissions",
            {{"count", statistics.submissions.count},

@@ -57,7 +57,7 @@ void DeviceState::throw_out_of_memory(uint64_t bytes, std::string_view name) con
   throw Error(
       ExitStatus::Failed,
       fmt::format("device {} has no memory for buffer {}: it needs {:.1f} MiB, {:.1f} MiB are in use "
-                  "and about {:.1f} MiB are free; render a smaller image or scene",
+                  "and about {:.1f} MiB are free; render a smaller image or scene, or parts of it with --crop",
                   info().name, name, mebibytes(bytes), mebibytes(allocated_bytes), mebibytes(free_bytes())));
 }
 
@@ -66,7 +66,7 @@ Allocation DeviceState::allocate(uint64_t bytes, vk::BufferUsageFlags usage, boo
   if (bytes > info().max_allocation_bytes)
     throw Error(ExitStatus::Failed,
                 fmt::format("buffer {} needs {:.1f} MiB, device {} allocates at most {:.1f} MiB at once; "
-                            "render a smaller image or scene",
+                            "render a smaller image or scene, or parts of it with --crop",
                             name, mebibytes(bytes), info().name, mebibytes(info().max_allocation_bytes)));
   if (bytes > memory_bytes - std::min(memory_bytes, allocated_bytes)) throw_out_of_memory(bytes, name);
   try {

@@ -108,6 +108,8 @@ std::string encode_checked(const Image& image, const Attributes& attributes, con
   return stream.str();
 }
 
+constexpr float LARGEST_HALF = 65504;
+
 /// Refuses what would make the decoder or us allocate out of proportion to the file.
 void check_window(const fs::path& path, const Imf::Header& header, const uint64_t file_bytes) {
   const Imath::Box2i& window = header.dataWindow();
@@ -190,6 +192,10 @@ Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t fil
   image.height = static_cast<uint32_t>(window.max.y - window.min.y + 1);
   require_pixels(path.string(), image.width, image.height, max_pixels);
   image.rgb.resize(size_t{3} * image.width * image.height);
+  const bool is_half = std::all_of(names.begin(), names.end(), [&](const std::string& name) {
+    return header.channels()[name].type == Imf::HALF;
+  });
+  if (is_half) image.largest_finite = LARGEST_HALF;
   Imf::FrameBuffer pixels;
   for (size_t component = 0; component < 3; ++component)
     if (component == 0 || names[component] != names[0])

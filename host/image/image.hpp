@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <span>
 #include <string>
@@ -19,6 +20,8 @@ namespace regulus::image {
 struct Image {
   uint32_t width = 0, height = 0;
   std::vector<float> rgb;
+  /// What the pixels of the file it was read from hold at most: 65504 if all are half floats.
+  float largest_finite = std::numeric_limits<float>::max();
 };
 
 /// Named extra channels (AOVs such as "albedo.R", "Z"), each width * height values.

@@ -10,13 +10,37 @@ namespace regulus::render {
 
 namespace {
 
-double sum_at(const std::vector<uint32_t>& words, uint64_t pixel, uint64_t channel) {
-  const uint32_t* word = &words[pixel * interface::FILM_WORDS_PER_PIXEL + 3 * channel];
-  const double units = word[0] + std::ldexp(word[1], 32) + std::ldexp(word[2], 64);
-  return std::ldexp(units, -static_cast<int>(interface::FILM_FRACTION_BITS));
+constexpr size_t WORDS_PER_SUM = 3;
+
+bool is_saturated(const uint32_t* words) {
+  return (words[WORDS_PER_SUM - 1] & interface::FILM_SATURATED) != 0;
+}
+
+double sum_at(const std::vector<uint32_t>& words, uint64_t pixel, uint64_t channel, int exponent) {
+  return film_sum(&words[pixel * interface::FILM_WORDS_PER_PIXEL + WORDS_PER_SUM * channel], exponent);
 }
 
 }  // namespace
+
+double film_sum(const uint32_t* words, int exponent) {
+  if (is_saturated(words)) return std::ldexp(1.0, int{interface::FILM_RANGE_BITS} + exponent);
+  const double units = words[0] + std::ldexp(words[1], 32) + std::ldexp(words[2], 64);
+  return std::ldexp(units, exponent - int{interface::FILM_FRACTION_BITS});
+}
+
+void settle_saturated(std::vector<uint32_t>& words) {
+  for (size_t i = 0; i < words.size(); i += WORDS_PER_SUM)
+    if (is_saturated(&words[i])) {
+      words[i] = words[i + 1] = 0;
+      words[i + 2] = interface::FILM_SATURATED;
+    }
+}
+
+uint64_t count_saturated(const std::vector<uint32_t>& words) {
+  uint64_t count = 0;
+  for (size_t i = 0; i < words.size(); i += WORDS_PER_SUM) count += is_saturated(&words[i]) ? 1 : 0;
+  return count;
+}
 
 uint64_t Film::samples(uint64_t pixel) const {
   return paths / pixels() + (pixel < paths % pixels() ? 1 : 0);
@@ -31,9 +55,9 @@ image::Image resolve(const Film& film) {
     const double samples = static_cast<double>(film.samples(pixel));
     for (uint64_t channel = 0; channel < 3; ++channel) {
       double value = 0;
-      if (samples > 0) value += sum_at(film.words, pixel, channel) / samples;
+      if (samples > 0) value += sum_at(film.words, pixel, channel, film.exponents.radiance) / samples;
       if (iterations > 0 && !film.splat_words.empty())
-        value += sum_at(film.splat_words, pixel, channel) / iterations;
+        value += sum_at(film.splat_words, pixel, channel, film.exponents.radiance) / iterations;
       image.rgb[3 * pixel + channel] = static_cast<float>(value);
     }
   }
@@ -48,8 +72,9 @@ image::Image resolve_variance(const Film& film) {
                      std::vector<float>(3 * pixels, std::numeric_limits<float>::infinity())};
   if (samples < 2) return image;
   for (uint64_t i = 0; i < 3 * pixels; ++i) {
-    const double sum = sum_at(film.earlier_words, i / 3, i % 3);
-    const double squares = sum_at(film.square_words, i / 3, i % 3);
+    if (is_saturated(&film.square_words[WORDS_PER_SUM * i])) continue;
+    const double sum = sum_at(film.earlier_words, i / 3, i % 3, film.exponents.radiance);
+    const double squares = sum_at(film.square_words, i / 3, i % 3, film.exponents.squares);
     const double spread = std::max(squares - sum * sum / samples, 0.0);
     image.rgb[i] = static_cast<float>(spread / (samples * (samples - 1)));
   }

@@ -5,8 +5,13 @@
 #include <vector>
 
 #include "image/image.hpp"
+#include "scene/scene.hpp"
 
 namespace regulus::render {
+
+/// A fixed-point sum of three words (interface/wavefront.h) as a number; the least that is too large to be
+/// held if it is saturated.
+double film_sum(const uint32_t* words, int exponent);
 
 /// Sums of whole paths. Paths are counted sample by sample, within a sample pixel by pixel, so `paths` says
 /// how many samples each pixel has.
@@ -24,18 +29,37 @@ struct Film {
   /// pixel, and the sums of the squares of whole samples; otherwise empty.
   std::vector<uint32_t> earlier_words{}, square_words{};
 
+  scene::FilmExponents exponents{};  ///< of the units of the sums and of those of squares
+
   uint64_t pixels() const { return uint64_t{width} * height; }
 
   /// Complete samples of pixel `pixel` (y * width + x).
   uint64_t samples(uint64_t pixel) const;
 };
 
+/// The sums that a film may have, by name.
+struct FilmLayer {
+  const char* name;
+  std::vector<uint32_t> Film::*words;
+};
+inline constexpr FilmLayer FILM_LAYERS[] = {{"sum", &Film::words},
+                                            {"splats", &Film::splat_words},
+                                            {"earlier", &Film::earlier_words},
+                                            {"squares", &Film::square_words}};
+
+/// Gives saturated sums the same words, whatever the order in which they were added.
+void settle_saturated(std::vector<uint32_t>& words);
+
+/// Sums of a channel of a pixel that are saturated.
+uint64_t count_saturated(const std::vector<uint32_t>& words);
+
 /// The mean of the samples of each pixel, 0 where a pixel has none, and the mean of the splats.
 image::Image resolve(const Film& film);
 
 /// The variance of each value of the image as the mean of the whole samples, estimated from their spread;
-/// infinite where there are fewer than two. Unbiased for independent samples (--sampler hash), from above for
-/// scrambled Sobol points, whose errors make up for each other. Precondition: film.square_words is not empty.
+/// infinite where there are fewer than two or a sum of squares is saturated. Unbiased for independent samples
+/// (--sampler hash), from above for scrambled Sobol points, whose errors make up for each other.
+/// Precondition: film.square_words is not empty.
 image::Image resolve_variance(const Film& film);
 
 }  // namespace regulus::render

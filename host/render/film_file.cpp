@@ -14,22 +14,17 @@ namespace regulus::render {
 
 namespace {
 
+using interface::FILM_SATURATED;
 using interface::FILM_WORDS_PER_PIXEL;
 
-/// The sums a film may have, by the name of their channels.
-struct Layer {
-  const char* name;
-  std::vector<uint32_t> Film::*words;
-};
-constexpr Layer LAYERS[] = {{"sum", &Film::words},
-                            {"splats", &Film::splat_words},
-                            {"earlier", &Film::earlier_words},
-                            {"squares", &Film::square_words}};
+constexpr int MOST_EXPONENT = 200;
 constexpr const char* PATHS = "regulus:paths";
 constexpr const char* LIGHT_PATHS = "regulus:light_paths_done";
 constexpr const char* LIGHT_PATHS_PER_ITERATION = "regulus:light_paths_per_iteration";
+constexpr const char* EXPONENT = "regulus:film_exponent";
+constexpr const char* SQUARE_EXPONENT = "regulus:film_square_exponent";
 
-std::string channel_name(const Layer& layer, uint32_t word) {
+std::string channel_name(const FilmLayer& layer, uint32_t word) {
   return fmt::format("film.{}.{}{}", layer.name, "RGB"[word / 3], word % 3);
 }
 
@@ -38,19 +33,30 @@ std::string channel_name(const Layer& layer, uint32_t word) {
               fmt::format("{}: {}; render it with --samples or --checkpoint", path.string(), reason));
 }
 
-uint64_t number(const std::filesystem::path& path, const image::Attributes& attributes, const char* name) {
-  const auto found = attributes.find(name);
-  uint64_t value = 0;
-  if (found == attributes.end()) fail(path, "holds no sums of samples");
-  const std::string& text = found->second;
+template <typename Integer>
+Integer parse(const std::filesystem::path& path, const char* name, const std::string& text) {
+  Integer value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size())
     fail(path, fmt::format("its {} is not a number", name));
   return value;
 }
 
+uint64_t number(const std::filesystem::path& path, const image::Attributes& attributes, const char* name) {
+  const auto found = attributes.find(name);
+  if (found == attributes.end()) fail(path, "holds no sums of samples");
+  return parse<uint64_t>(path, name, found->second);
+}
+
+int exponent(const std::filesystem::path& path, const image::Attributes& attributes, const char* name) {
+  const auto found = attributes.find(name);
+  const int value = found == attributes.end() ? 0 : parse<int>(path, name, found->second);
+  if (value < -MOST_EXPONENT || value > MOST_EXPONENT) fail(path, fmt::format("its {} is {}", name, value));
+  return value;
+}
+
 /// The words of a layer; empty if the file has none of its channels.
-std::vector<uint32_t> take_layer(const std::filesystem::path& path, const Layer& layer, uint64_t pixels,
+std::vector<uint32_t> take_layer(const std::filesystem::path& path, const FilmLayer& layer, uint64_t pixels,
                                  image::Channels& channels) {
   std::vector<uint32_t> words;
   for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
@@ -68,7 +74,7 @@ std::vector<uint32_t> take_layer(const std::filesystem::path& path, const Layer&
 }  // namespace
 
 void add_film(const Film& film, image::Channels& channels, image::Attributes& attributes) {
-  for (const Layer& layer : LAYERS) {
+  for (const FilmLayer& layer : FILM_LAYERS) {
     const std::vector<uint32_t>& words = film.*layer.words;
     if (words.empty()) continue;
     for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
@@ -81,6 +87,8 @@ void add_film(const Film& film, image::Channels& channels, image::Attributes& at
   attributes[PATHS] = std::to_string(film.paths);
   attributes[LIGHT_PATHS] = std::to_string(film.light_paths);
   attributes[LIGHT_PATHS_PER_ITERATION] = std::to_string(film.light_paths_per_iteration);
+  attributes[EXPONENT] = std::to_string(film.exponents.radiance);
+  attributes[SQUARE_EXPONENT] = std::to_string(film.exponents.squares);
 }
 
 Film take_film(const std::filesystem::path& path, image::ExrContents& contents) {
@@ -90,7 +98,9 @@ Film take_film(const std::filesystem::path& path, image::ExrContents& contents) 
   film.paths = number(path, contents.attributes, PATHS);
   film.light_paths = number(path, contents.attributes, LIGHT_PATHS);
   film.light_paths_per_iteration = number(path, contents.attributes, LIGHT_PATHS_PER_ITERATION);
-  for (const Layer& layer : LAYERS)
+  film.exponents.radiance = exponent(path, contents.attributes, EXPONENT);
+  film.exponents.squares = exponent(path, contents.attributes, SQUARE_EXPONENT);
+  for (const FilmLayer& layer : FILM_LAYERS)
     film.*layer.words = take_layer(path, layer, film.pixels(), contents.channels);
   if (film.words.empty()) fail(path, "holds no sums of samples");
   if (film.light_paths_per_iteration == 0) fail(path, "has iterations without light paths");
@@ -98,16 +108,19 @@ Film take_film(const std::filesystem::path& path, image::ExrContents& contents) 
 }
 
 void add(Film& film, const Film& other) {
-  for (const Layer& layer : LAYERS) {
+  for (const FilmLayer& layer : FILM_LAYERS) {
     std::vector<uint32_t>& sums = film.*layer.words;
     const std::vector<uint32_t>& more = other.*layer.words;
     uint64_t carry = 0;
     for (size_t word = 0; word < sums.size(); ++word) {
       if (word % 3 == 0) carry = 0;  // the next sum of three words
       carry += uint64_t{sums[word]} + more[word];
+      // Two marks of saturation would carry each other away.
+      if (word % 3 == 2) carry = std::min(carry, uint64_t{FILM_SATURATED});
       sums[word] = static_cast<uint32_t>(carry);
       carry >>= 32;
     }
+    settle_saturated(sums);
   }
   film.paths += other.paths;
   film.light_paths += other.light_paths;
@@ -119,14 +132,15 @@ Film empty_like(const Film& film, uint32_t width, uint32_t height) {
   empty.height = height;
   empty.light_paths = film.light_paths;
   empty.light_paths_per_iteration = film.light_paths_per_iteration;
-  for (const Layer& layer : LAYERS)
+  empty.exponents = film.exponents;
+  for (const FilmLayer& layer : FILM_LAYERS)
     if (!(film.*layer.words).empty()) (empty.*layer.words).resize(empty.pixels() * FILM_WORDS_PER_PIXEL);
   return empty;
 }
 
 void place(const Film& part, uint32_t x, uint32_t y, Film& whole) {
   const uint64_t words_per_row = uint64_t{part.width} * FILM_WORDS_PER_PIXEL;
-  for (const Layer& layer : LAYERS) {
+  for (const FilmLayer& layer : FILM_LAYERS) {
     const std::vector<uint32_t>& words = part.*layer.words;
     for (uint64_t row = 0; !words.empty() && row < part.height; ++row)
       std::copy_n(&words[row * words_per_row], words_per_row,

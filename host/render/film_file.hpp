@@ -16,8 +16,8 @@ void add_film(const Film& film, image::Channels& channels, image::Attributes& at
 /// @throws regulus::Error (BadFile) if there is none, or not as add_film writes it
 Film take_film(const std::filesystem::path& path, image::ExrContents& contents);
 
-/// Adds the sums of `other`, which holds other samples. Precondition: films of the same size and kind, both
-/// complete (the same samples of every pixel).
+/// Adds the sums of `other`, which holds other samples. Sums that leave the film's range stay saturated.
+/// Precondition: films of the same size, kind and exponents, both complete (the same samples of every pixel).
 void add(Film& film, const Film& other);
 
 /// A film of another size with the same kinds of sums, all 0, and the same light paths, but no paths.

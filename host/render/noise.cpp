@@ -1,5 +1,6 @@
 #include "render/noise.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace regulus::render {
@@ -10,6 +11,8 @@ void NoiseEstimate::observe(const Film& film) {
   const image::Image image = resolve(film);
   if (earlier_paths_ != 0) {
     const Film earlier{film.width, film.height, {}, earlier_paths_, {}, 0, 1};
+    // Dim light is not black: what is lit is about 1 in the film's units.
+    const double epsilon = std::ldexp(image::RELATIVE_EPSILON, 2 * std::min(film.exponents.radiance, 0));
     double sum = 0;
     uint64_t count = 0;
     for (uint64_t pixel = 0; pixel < pixels; ++pixel) {
@@ -19,7 +22,7 @@ void NoiseEstimate::observe(const Film& film) {
       for (uint64_t i = 3 * pixel; i < 3 * pixel + 3; ++i) {
         const double difference = double{image.rgb[i]} - earlier_image_.rgb[i];
         const double variance = difference * difference * m / (n - m);
-        sum += variance / (double{image.rgb[i]} * image.rgb[i] + image::RELATIVE_EPSILON);
+        sum += variance / (double{image.rgb[i]} * image.rgb[i] + epsilon);
         ++count;
       }
     }

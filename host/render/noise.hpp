@@ -21,7 +21,8 @@ class NoiseEstimate {
   void observe(const Film& film);
 
   /// Root of the mean over pixels and channels of variance / (T^2 + image::RELATIVE_EPSILON): an estimate of
-  /// the root of relmse (image::Metrics). NaN until there are two samples of every pixel.
+  /// the root of relmse (image::Metrics). For light that is so dim that the film's exponent is negative, the
+  /// epsilon shrinks with it. NaN until there are two samples of every pixel.
   double relative_error() const { return relative_error_; }
 
  private:

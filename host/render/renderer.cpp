@@ -122,6 +122,7 @@ struct Renderer::Impl {
     film.words.resize(pixels * FILM_WORDS_PER_PIXEL);
     film.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
     film.light_paths_per_iteration = settings.light_paths;
+    film.exponents = scene_in.film_exponents;
     film.earlier_words.resize(buffers.film_earlier.size() / sizeof(uint32_t));
     film.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
     statistics.wave_capacity = capacity;
@@ -345,6 +346,7 @@ struct Renderer::Impl {
     film.splat_words.swap(splats);
     film.earlier_words.swap(earlier);
     film.square_words.swap(squares);
+    for (const FilmLayer& layer : FILM_LAYERS) settle_saturated(film.*layer.words);
     film.paths = finished;
     film.light_paths = finished_light;
     const auto counter = [&](uint32_t index) {
@@ -415,6 +417,7 @@ struct Renderer::Impl {
     own.width = film.width;
     own.height = film.height;
     own.light_paths_per_iteration = film.light_paths_per_iteration;
+    own.exponents = film.exponents;
     if (strategy.technique == TECHNIQUE_SPLAT) {
       own.splat_words = sums;
       own.light_paths = film.light_paths;

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "render/device_scene.hpp"
+#include "render/film.hpp"
 #include "render/scan.hpp"
 #include "render/wavefront_buffers.hpp"
 
@@ -24,16 +25,12 @@ RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings setti
 }
 
 /// A film's fixed-point sums as numbers.
-std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words) {
+std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words, int exponent) {
   std::vector<glm::dvec3> values(words.size() / FILM_WORDS_PER_PIXEL, glm::dvec3(0));
   for (size_t i = 0; i < values.size(); ++i)
-    for (int channel = 0; channel < 3; ++channel) {
-      const size_t first = i * FILM_WORDS_PER_PIXEL + 3 * static_cast<size_t>(channel);
-      const double high = static_cast<int32_t>(words[first + 2]);
-      values[i][channel] = std::ldexp(high, 64 - int{FILM_FRACTION_BITS}) +
-                           std::ldexp(static_cast<double>(words[first + 1]), 32 - int{FILM_FRACTION_BITS}) +
-                           std::ldexp(static_cast<double>(words[first]), -int{FILM_FRACTION_BITS});
-    }
+    for (int channel = 0; channel < 3; ++channel)
+      values[i][channel] =
+          film_sum(&words[i * FILM_WORDS_PER_PIXEL + 3 * static_cast<size_t>(channel)], exponent);
   return values;
 }
 
@@ -43,6 +40,7 @@ struct StageRecorder::Impl {
   gpu::Device& device;
   RenderSettings settings;
   uint32_t paths;
+  int film_exponent;
   DeviceScene scene;
   WavefrontBuffers buffers;
   std::vector<PipelineStep> pipeline;
@@ -53,6 +51,7 @@ struct StageRecorder::Impl {
       : device(device_in),
         settings(recorded_settings(scene_in, settings_in, techniques)),
         paths(paths_in),
+        film_exponent(scene_in.film_exponents.radiance),
         scene(device, scene_in, bvh, settings),
         buffers(device, scene,
                 scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
@@ -250,9 +249,9 @@ struct StageRecorder::Impl {
     recorded.connections =
         download<VisibilityCandidate>(buffers.candidates_, all - light_samples, light_samples);
     const size_t words = size_t{paths} * FILM_WORDS_PER_PIXEL;
-    const auto before = film_values(download<uint32_t>(buffers.film, words));
+    const auto before = film_values(download<uint32_t>(buffers.film, words), film_exponent);
     run(Pass::Camera, "merge", arguments);
-    recorded.merged = film_values(download<uint32_t>(buffers.film, words));
+    recorded.merged = film_values(download<uint32_t>(buffers.film, words), film_exponent);
     for (size_t i = 0; i < before.size(); ++i) recorded.merged[i] -= before[i];
     return recorded;
   }
@@ -305,7 +304,8 @@ ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample) {
   recording.light_vertices = impl.download<PathVertex>(impl.buffers.light_vertices_, vertices);
   if (impl.buffers.splat_film.size() != 0)
     recording.splat_film = film_values(
-        impl.download<uint32_t>(impl.buffers.splat_film, size_t{impl.paths} * FILM_WORDS_PER_PIXEL));
+        impl.download<uint32_t>(impl.buffers.splat_film, size_t{impl.paths} * FILM_WORDS_PER_PIXEL),
+        impl.film_exponent);
   impl.sort_light_vertices(arguments, recording);
   return recording;
 }

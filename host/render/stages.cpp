@@ -88,6 +88,8 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Featu
          {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
          {SPEC_LIGHT_SAMPLING, settings.light_sampling},
          {SPEC_STRATEGIES, settings.has_strategy_images ? 1u : 0u},
+         {SPEC_FILM_EXPONENT, static_cast<uint32_t>(features.film_exponents.radiance)},
+         {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(features.film_exponents.squares)},
          {SPEC_FILTER, settings.filter},
          {SPEC_SAMPLER, settings.sampler}}};
     pipeline.push_back({step, device.create_kernel(description)});

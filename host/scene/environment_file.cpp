@@ -19,7 +19,6 @@ constexpr uint64_t BYTES_OF_TEXEL = 12 + 12 + 12;
 // Radiance beyond this is cut: 500 times the sun's disc, and far from overflowing when a path's throughput
 // multiplies it.
 constexpr double MAX_RADIANCE = 1e10;
-constexpr double LARGEST_HALF = 65504;  // what a file of half floats shows as infinite was a little more
 
 /// Member `name` of extras as a number; `otherwise` if there is none.
 double number_of(const Document& document, const json& extras, const char* name, double otherwise) {
@@ -45,26 +44,34 @@ glm::vec3 color_of(const Document& document, const json& color, double scale) {
   return radiance;
 }
 
-/// The radiance that a value stands for; counts the values that are none.
-double radiance_of(double value, double scale, uint64_t& replaced) {
+/// Values of a file that are no radiance.
+struct Replaced {
+  uint64_t values = 0, infinite = 0;
+};
+
+/// The radiance that a value stands for; an infinite one for `largest`, the largest of its file's format.
+double radiance_of(double value, double scale, double largest, Replaced& replaced) {
   if (value >= 0 && value * scale <= MAX_RADIANCE) return value * scale;
-  ++replaced;
+  ++replaced.values;
   if (!(value > 0)) return 0;
-  return std::min(std::isinf(value) ? LARGEST_HALF * scale : MAX_RADIANCE, MAX_RADIANCE);
+  replaced.infinite += std::isinf(value) ? 1 : 0;
+  return std::min(std::min(value, largest) * scale, MAX_RADIANCE);
 }
 
 /// The image's values times `scale`, made radiances.
 std::vector<glm::vec3> radiances_of(Document& document, const image::Image& image, double scale,
                                     const std::string& name) {
   std::vector<glm::vec3> texels(image.rgb.size() / 3);
-  uint64_t replaced = 0;
+  const double largest = image.largest_finite;
+  Replaced replaced;
   for (size_t i = 0; i < image.rgb.size(); ++i)
-    texels[i / 3][static_cast<int>(i % 3)] = static_cast<float>(radiance_of(image.rgb[i], scale, replaced));
-  if (replaced > 0)
-    document.warn(
-        fmt::format("{}: {} values are no radiance: negative ones and NaN are taken as 0, infinite ones as "
-                    "{:g}, any beyond {:g} as that",
-                    name, replaced, LARGEST_HALF, MAX_RADIANCE));
+    texels[i / 3][static_cast<int>(i % 3)] =
+        static_cast<float>(radiance_of(image.rgb[i], scale, largest, replaced));
+  if (replaced.values > 0)
+    document.warn(fmt::format(
+        "{}: {} values are no radiance: negative ones and NaN are taken as 0, infinite ones ({}) as "
+        "{:g}, the largest that its pixels hold, any beyond {:g} as that",
+        name, replaced.values, replaced.infinite, largest, MAX_RADIANCE));
   return texels;
 }
 

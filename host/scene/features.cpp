@@ -218,6 +218,7 @@ Features find_features(const Scene& scene) {
   }
   for (const interface::Light& light : scene.lights) features.bits |= light_features(scene, light);
   if (scene.lights.size() > 1) features.bits |= interface::FEATURE_MANY_LIGHTS;
+  features.film_exponents = scene.film_exponents;
   if (std::any_of(scene.cameras.begin(), scene.cameras.end(),
                   [](const SceneCamera& camera) { return camera.z_near > 0 || camera.z_far < NO_FAR_PLANE; }))
     features.bits |= interface::FEATURE_CLIPPING;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "scene/alias_table.hpp"
+#include "scene/film_exponents.hpp"
 #include "scene/light_power.hpp"
 #include "scene/light_tree.hpp"
 #include "scene/scene.hpp"
@@ -103,8 +104,14 @@ bool is_punctual(const interface::Light& light) {
 void build_lights(Scene& scene) {
   LightList list;
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
+  FilmRange film_range(0.5 * (glm::dvec3(scene.bounds_min) + glm::dvec3(scene.bounds_max)), scene_radius);
+  for (const interface::Material& material : scene.materials)
+    film_range.add_visible(glm::dvec3(material.emission));
   for (const interface::Light& light : scene.lights)
-    if (is_punctual(light)) list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
+    if (is_punctual(light)) {
+      list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
+      film_range.add_punctual(light);
+    }
   bool has_lamps = !list.is_empty();
   TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
@@ -114,6 +121,7 @@ void build_lights(Scene& scene) {
     const double area = triangle_area(scene, triangle);
     const double power = triangle_power(triangle, area);
     triangle.light = list.add(triangle_light(scene, i, area), power, triangle_bounds(scene, triangle, power));
+    film_range.add_power(power);
     has_lamps |= triangle.light != interface::INVALID_INDEX &&
                  scene.materials[triangle.material].emissive_texture == interface::INVALID_INDEX;
   }
@@ -126,8 +134,11 @@ void build_lights(Scene& scene) {
     scene.environment = uniform_environment(glm::vec3(DIM_RADIANCE));
   }
   uint32_t environment = interface::INVALID_INDEX;
-  if (scene.environment)
+  if (scene.environment) {
     environment = list.add(environment_light(), environment_power(*scene.environment, scene_radius));
+    film_range.add_environment(*scene.environment);
+  }
+  scene.film_exponents = film_range.exponents();
   list.move_to(scene);
   if (environment == interface::INVALID_INDEX) return;
   scene.environment->parameters.selection_pdf = scene.lights[environment].selection_pdf;

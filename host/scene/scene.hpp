@@ -53,6 +53,13 @@ struct SharedMesh {
 /// A material whose texture slots are all empty, the rest 0.
 interface::Material untextured_material();
 
+/// Exponents of the units in which films of the scene sum (interface/wavefront.h, scene/film_exponents.hpp).
+struct FilmExponents {
+  int radiance = 0;  ///< of samples
+  int squares = 0;   ///< of squares of samples
+  bool operator==(const FilmExponents&) const = default;
+};
+
 /// A loaded scene. Invariants: every index is in range, every number finite, every normal unit length, no
 /// triangle has zero area (they are dropped with a warning).
 struct Scene {
@@ -76,7 +83,8 @@ struct Scene {
   std::vector<std::vector<uint32_t>> images;  ///< words of texels, see interface::Texture
   std::vector<interface::Light> lights;       ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
-  LightTree light_tree;  ///< empty with fewer than two lights
+  LightTree light_tree;          ///< empty with fewer than two lights
+  FilmExponents film_exponents;  ///< by the lights; filled by build_lights
   std::optional<Environment> environment;
   std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
@@ -119,7 +127,8 @@ Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 
 /// Appends a light per emissive triangle and the environment to the punctual lights, fills selection
-/// probabilities in proportion to power, the alias table, the light tree, and Triangle::light. A scene
+/// probabilities in proportion to power, the alias table, the light tree, the film's exponents, and
+/// Triangle::light. A scene
 /// without an environment and without any light but textures that emit gets a dim uniform one, with a
 /// warning.
 void build_lights(Scene& scene);
@@ -149,6 +158,7 @@ struct Features {
   /// with relative index n least alpha |n - 1| / max(n, 1). Infinite without such lobes.
   float least_reflection_alpha = std::numeric_limits<float>::infinity();
   float least_refraction_alpha = std::numeric_limits<float>::infinity();
+  FilmExponents film_exponents;  ///< the scene's
 };
 Features find_features(const Scene& scene);
 

@@ -28,6 +28,8 @@ REGULUS_CONSTANT SPEC_CROP = 14u;            // 1: only the pixels of Frame.crop
 REGULUS_CONSTANT SPEC_ENERGY_COMPENSATION = 15u;  // 1: microfacet lobes lose no light, see lib/energy.glsl
 REGULUS_CONSTANT SPEC_LIGHT_SAMPLING = 16u;  // LIGHT_SAMPLING_*
 REGULUS_CONSTANT SPEC_STRATEGIES = 17u;      // 1: each strategy has images of its own (lib/strategies.glsl)
+REGULUS_CONSTANT SPEC_FILM_EXPONENT = 18u;    // of the unit of the film's sums, signed
+REGULUS_CONSTANT SPEC_SQUARE_EXPONENT = 19u;  // of the unit of its sums of squares, signed
 
 // How next-event estimation chooses a light. Light paths always start by power.
 REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;
@@ -251,9 +253,13 @@ REGULUS_CONSTANT QUEUE_SPLATS = 8u;      // splat candidates
 REGULUS_CONSTANT QUEUE_ESCAPED = 9u;     // path slots whose ray hit nothing
 REGULUS_CONSTANT QUEUES_PER_BOUNCE = 10u;
 
-// Film: per pixel three channels of three words, a fixed-point sum in units of 2^-FILM_FRACTION_BITS.
+// Film: per pixel three channels of three words, low first: a fixed-point sum in units of
+// 2^(exponent - FILM_FRACTION_BITS), the exponent being the scene's (SPEC_FILM_EXPONENT; 0 for ordinary light). A sum
+// with FILM_SATURATED in its highest word is too large to be held, 2^(exponent + FILM_RANGE_BITS) or more.
 REGULUS_CONSTANT FILM_WORDS_PER_PIXEL = 9u;
 REGULUS_CONSTANT FILM_FRACTION_BITS = 40u;
+REGULUS_CONSTANT FILM_RANGE_BITS = 55u;
+REGULUS_CONSTANT FILM_SATURATED = 1u << 31;
 
 // What camera rays meet first. Albedo and normals are means over AOV_RAYS rays as the
 // first samples of the pixel send them, black where they meet nothing; the rest is what the ray from the middle of the

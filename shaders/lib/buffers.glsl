@@ -46,5 +46,6 @@ REGULUS_BUFFER(AovPixelBuffer, AovPixel);
 
 // Adds to a word and returns what it held before.
 #define ATOMIC_ADD(address, index, value) atomicAdd(WordBuffer(address).items[index], value)
+#define ATOMIC_OR(address, index, value) atomicOr(WordBuffer(address).items[index], value)
 
 #endif

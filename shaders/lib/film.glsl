@@ -1,6 +1,7 @@
-// The film: per pixel and channel a 96-bit fixed-point sum (3 words, low first, unit 2^-40), so that the
-// sum does not depend on the order in which samples arrive and needs no 64-bit integers. Range 3.6e16,
-// resolution 9e-13.
+// The film: per pixel and channel a 96-bit fixed-point sum (3 words, low first), so that the sum does not depend on
+// the order in which samples arrive and needs no 64-bit integers. With exponent 0 its range is 3.6e16 and its
+// resolution 9e-13. A sum that leaves the range stays marked by its highest bit, in whatever order it is reached: what
+// carries out of the highest word sets the bit again, and nothing else can clear it. Its other bits mean nothing then.
 #ifndef REGULUS_LIB_FILM_GLSL
 #define REGULUS_LIB_FILM_GLSL
 
@@ -19,9 +20,21 @@ uint pixel_of(Frame frame, uint index) {
   return (index / frame.crop.z + frame.crop.y) * frame.width + index % frame.crop.z + frame.crop.x;
 }
 
+const float FILM_LARGEST = 36028797018963968.0;  // 2^FILM_RANGE_BITS: saturates a sum by itself
+
+float power_of_two(int exponent) { return uintBitsToFloat(uint(127 + exponent) << 23u); }
+
+float in_film_units(float value) { return value * power_of_two(-spec_film_exponent); }
+
+// Adds to a word of the film; returns the carry.
+uint film_add_word(DeviceAddress film, uint index, uint value) {
+  uint before = ATOMIC_ADD(film, index, value);
+  return uint(before + value < before);
+}
+
 // Adds value >= 0 to the sum that starts at word `base`.
 void film_add_channel(DeviceAddress film, uint base, float value) {
-  uint bits = floatBitsToUint(min(value, 1.8e16));
+  uint bits = floatBitsToUint(min(in_film_units(value), FILM_LARGEST));
   uint exponent = bits >> 23u;
   if (exponent == 0u) return;  // zero, or a denormal far below the resolution
   uint mantissa = (bits & 0x7FFFFFu) | 0x800000u;
@@ -35,12 +48,10 @@ void film_add_channel(DeviceAddress film, uint base, float value) {
     low = mantissa << within;
     high = within > 8u ? mantissa >> (32u - within) : 0u;
   }
-  uint before = ATOMIC_ADD(film, base + word, low);
-  high += uint(before + low < before);
-  if (high != 0u && word < 2u) {
-    uint before_high = ATOMIC_ADD(film, base + word + 1u, high);
-    if (before_high + high < before_high && word == 0u) ATOMIC_ADD(film, base + 2u, 1u);
-  }
+  uint carry = high + film_add_word(film, base + word, low);
+  if (word < 2u && carry != 0u) carry = film_add_word(film, base + word + 1u, carry);
+  if (word == 0u && carry != 0u) carry = film_add_word(film, base + 2u, carry);
+  if (carry != 0u) ATOMIC_OR(film, base + 2u, FILM_SATURATED);
 }
 
 void film_add(DeviceAddress film, uint pixel, vec3 radiance) {
@@ -69,14 +80,18 @@ struct FixedSum {
 
 const FixedSum FIXED_SUM_ZERO = FixedSum(uvec3(0u), uvec3(0u), uvec3(0u));
 
-// value >= 0 in words, rounded down to the resolution.
-uvec3 fixed_point(float value) {
-  value = min(value, 1.8e16);
+// value >= 0 in the film's units, in words, rounded down to the resolution.
+uvec3 fixed_words(float value) {
+  value = min(value, FILM_LARGEST);
   uint high = uint(value * 5.9604645e-8);  // 2^24 units of 1
   float rest = (value - float(high) * 16777216.0) * 256.0;
   uint middle = uint(rest);
   return uvec3(uint((rest - float(middle)) * 4294967296.0), middle, high);
 }
+
+uvec3 fixed_point(float value) { return fixed_words(in_film_units(value)); }
+
+bool is_saturated(uvec3 words) { return words.z >= FILM_SATURATED; }
 
 uvec3 fixed_add(uvec3 a, uvec3 b) {
   uint carry_low, carry_high;
@@ -84,7 +99,8 @@ uvec3 fixed_add(uvec3 a, uvec3 b) {
   uint middle = uaddCarry(a.y, b.y, carry_high);
   uint carry;
   middle = uaddCarry(middle, carry_low, carry);
-  return uvec3(low, middle, a.z + b.z + carry_high + carry);
+  uint high = a.z + b.z + carry_high + carry;  // 2^32 - 1 at most, unless one is saturated
+  return uvec3(low, middle, ((a.z | b.z | high) & FILM_SATURATED) != 0u ? FILM_SATURATED : high);
 }
 
 uvec3 fixed_subtract(uvec3 a, uvec3 b) {
@@ -95,6 +111,7 @@ uvec3 fixed_subtract(uvec3 a, uvec3 b) {
   return uvec3(low, middle, a.z - b.z - borrow_high - borrow);
 }
 
+// In the film's units.
 float fixed_value(uvec3 words) {
   return float(words.z) * 16777216.0 + float(words.y) * 3.90625e-3 + float(words.x) * 9.094947e-13;  // 2^24, -8, -40
 }
@@ -106,15 +123,11 @@ void fixed_sum_add(inout FixedSum sum, vec3 radiance) {
 }
 
 void film_add_words(DeviceAddress film, uint base, uvec3 words) {
-  uint before = ATOMIC_ADD(film, base, words.x);
-  uint carry_low = uint(before + words.x < before);
+  uint carry_low = film_add_word(film, base, words.x);
   uint middle = words.y + carry_low;
   uint high = words.z + uint(middle < carry_low);
-  if (middle != 0u) {
-    before = ATOMIC_ADD(film, base + 1u, middle);
-    high += uint(before + middle < before);
-  }
-  if (high != 0u) ATOMIC_ADD(film, base + 2u, high);
+  if (middle != 0u) high += film_add_word(film, base + 1u, middle);
+  if (high != 0u && film_add_word(film, base + 2u, high) != 0u) ATOMIC_OR(film, base + 2u, FILM_SATURATED);
 }
 
 void film_add_sum(DeviceAddress film, uint pixel, FixedSum sum) {

@@ -22,5 +22,7 @@ layout(constant_id = SPEC_CROP) const uint spec_crop = 0u;
 layout(constant_id = SPEC_ENERGY_COMPENSATION) const uint spec_energy_compensation = 0u;
 layout(constant_id = SPEC_LIGHT_SAMPLING) const uint spec_light_sampling = LIGHT_SAMPLING_POWER;
 layout(constant_id = SPEC_STRATEGIES) const uint spec_strategies = 0u;
+layout(constant_id = SPEC_FILM_EXPONENT) const int spec_film_exponent = 0;
+layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
 
 #endif

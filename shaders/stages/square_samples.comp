@@ -25,7 +25,9 @@ void main() {
     uvec3 sum = load_sum(frame.film, base);
     if ((spec_techniques & TECHNIQUE_SPLAT) != 0u) sum = fixed_add(sum, load_sum(frame.splat_film, base));
     float value = fixed_value(fixed_subtract(sum, load_sum(frame.film_earlier, base)));
-    store_sum(frame.film_squares, base, fixed_add(load_sum(frame.film_squares, base), fixed_point(value * value)));
+    uvec3 square = fixed_words(value * value * power_of_two(2 * spec_film_exponent - spec_square_exponent));
+    if (is_saturated(sum)) square = uvec3(0u, 0u, FILM_SATURATED);
+    store_sum(frame.film_squares, base, fixed_add(load_sum(frame.film_squares, base), square));
     store_sum(frame.film_earlier, base, sum);
   }
 }

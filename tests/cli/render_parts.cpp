@@ -131,6 +131,23 @@ TEST_F(RenderParts, ACropIsPlacedOnTheFilm) {
   for (size_t i = 0; i < part.size(); ++i) EXPECT_EQ(part[i], whole[(i / 12 + 3) * 24 + i % 12 + 5]);
 }
 
+// A film that is rendered in bands, as one that is larger than a buffer of the device, is that of one piece.
+TEST_F(RenderParts, BandsAreThePictureOfOnePiece) {
+  const Arguments own = {"-i",    is_slow_device() ? "pt" : "bpt", "-s", "3",
+                         "--aov", "variance,samples,P,material"};
+  render("whole.exr", own);
+  Arguments in_bands = own;
+  in_bands.insert(in_bands.end(), {"--band", "100"});  // four rows of 24 pixels
+  render("bands.exr", in_bands);
+  EXPECT_TRUE(contents("whole.exr").channels == contents("bands.exr").channels);
+  EXPECT_EQ(contents("bands.exr").attributes.at("regulus:samples_done"), "3");
+  in_bands.insert(in_bands.end(), {"--crop", "3,2,20,15"});
+  render("crop.exr", in_bands);
+  EXPECT_EQ(contents("crop.exr").placement.y, 2u);
+  EXPECT_EQ(contents("crop.exr").height, 13u);
+  expect_error(run(command("x.exr", {"--band", "100", "--time", "1"})), 2, {"--time", "--crop"});
+}
+
 std::string read_file(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};

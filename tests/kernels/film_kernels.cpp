@@ -25,8 +25,9 @@ class Film : public testing::Test {
 };
 
 // Sums on the device: values[i] goes to channel i % channels.
-std::vector<Sum> device_sums(const std::vector<float>& values, uint32_t channels) {
-  const gpu::Kernel kernel = create_batch_kernel(test_kernels::spirv, "film_add", {});
+std::vector<Sum> device_sums(const std::vector<float>& values, uint32_t channels, int exponent = 0) {
+  const gpu::Kernel kernel = create_batch_kernel(test_kernels::spirv, "film_add",
+                                                 {{SPEC_FILM_EXPONENT, static_cast<uint32_t>(exponent)}});
   const gpu::Buffer in = gpu::upload_new(*device(), values, "values");
   const gpu::Buffer film = device()->create_buffer(channels * 3 * sizeof(uint32_t), "film");
   run_batch(kernel, {in.address(), film.address(), static_cast<uint32_t>(values.size()), channels});
@@ -37,14 +38,13 @@ std::vector<Sum> device_sums(const std::vector<float>& values, uint32_t channels
   return sums;
 }
 
-// value * 2^40 rounded to the nearest integer, halves up; exact because a float has 24 bits. Values are cut
-// at 1.8e16.
-Sum fixed_point(float value) {
-  const double scaled = std::ldexp(static_cast<double>(std::min(value, 1.8e16f)), FILM_FRACTION_BITS);
+// value * 2^(40 - exponent) rounded to the nearest integer, halves up; exact because a float has 24 bits.
+Sum fixed_point(float value, int exponent = 0) {
+  const double scaled = std::ldexp(static_cast<double>(value), int{FILM_FRACTION_BITS} - exponent);
   if (scaled < 0x1p52) return static_cast<Sum>(std::floor(scaled + 0.5));
-  int exponent = 0;
-  const double mantissa = std::frexp(scaled, &exponent);
-  return static_cast<Sum>(std::ldexp(mantissa, 53)) << (exponent - 53);
+  int binary_exponent = 0;
+  const double mantissa = std::frexp(scaled, &binary_exponent);
+  return static_cast<Sum>(std::ldexp(mantissa, 53)) << (binary_exponent - 53);
 }
 
 std::string text(Sum sum) {
@@ -69,12 +69,54 @@ TEST_F(Film, OneValueIsRoundedToTheNearestUnit) {
   std::printf("%zu values exact\n", values.size());
 }
 
-TEST_F(Film, HugeValuesAreCutAndDenormalsDropped) {
-  const std::vector<float> values = {1e30f, 3.4e38f, 1e-44f};
-  const std::vector<Sum> sums = device_sums(values, 3);
-  EXPECT_EQ(text(sums[0]), text(fixed_point(1.8e16f)));
-  EXPECT_EQ(text(sums[1]), text(fixed_point(1.8e16f)));
+// Light that is dim or bright beyond all measure is summed in a unit of its own.
+TEST_F(Film, UnitsFollowTheExponent) {
+  Random random(3);
+  for (const int exponent : {-100, -44, -1, 1, 23, 74}) {
+    std::vector<float> values;
+    for (int i = 0; i < 500; ++i) {
+      const double value = std::ldexp(random.log_uniform(1e-14, 0x1.fp54), exponent);
+      values.push_back(static_cast<float>(std::clamp(value, 1e-37, 3e38)));
+    }
+    const std::vector<Sum> sums = device_sums(values, static_cast<uint32_t>(values.size()), exponent);
+    for (size_t i = 0; i < values.size(); ++i)
+      ASSERT_EQ(text(sums[i]), text(fixed_point(values[i], exponent))) << values[i] << " with " << exponent;
+  }
+}
+
+bool is_saturated(Sum sum) {
+  return (sum >> 95) != 0;
+}
+
+TEST_F(Film, HugeValuesSaturateAndDenormalsAreDropped) {
+  const std::vector<float> values = {1e30f, 3.4e38f, 1e-44f, 0x1p55f, 0x1.fffffep54f};
+  const std::vector<Sum> sums = device_sums(values, 5);
+  for (const size_t i : {0u, 1u, 3u}) EXPECT_TRUE(is_saturated(sums[i])) << values[i];
   EXPECT_EQ(text(sums[2]), text(0));
+  EXPECT_EQ(text(sums[4]), text(fixed_point(0x1.fffffep54f)));
+}
+
+// A sum is saturated if and only if it reaches 2^55, in whatever order, and stays so: the highest word
+// carries out many times here, and its bit comes back.
+TEST_F(Film, SumsSaturateInAnyOrderAndStaySo) {
+  std::mt19937_64 engine(base_seed());
+  // 31 times 2^50 is below, with what is missing to 2^55 exactly there; all the rest is far beyond.
+  std::vector<float> below(31, 0x1p50f), there = below, beyond;
+  for (int exponent = 10; exponent < 50; ++exponent) below.push_back(std::ldexp(1.0f, exponent));
+  there = below;
+  there.push_back(1024);
+  for (int i = 0; i < 3000; ++i) beyond.push_back(std::ldexp(1.0f, 20 + i % 35));
+  Sum sum = 0;
+  for (const float value : below) sum += fixed_point(value);
+  for (int order = 0; order < 3; ++order) {
+    for (std::vector<float>* values : {&below, &there, &beyond})
+      std::shuffle(values->begin(), values->end(), engine);
+    EXPECT_EQ(text(device_sums(below, 1)[0]), text(sum));
+    EXPECT_TRUE(is_saturated(device_sums(there, 1)[0]));
+    EXPECT_TRUE(is_saturated(device_sums(beyond, 1)[0]));
+    // The bit alone, set and set again: every second time it carries out.
+    EXPECT_TRUE(is_saturated(device_sums(std::vector<float>(64 + order, 3e38f), 1)[0]));
+  }
 }
 
 TEST_F(Film, CarriesRunThroughAllWords) {

@@ -43,6 +43,41 @@ TEST(DeviceRenders, CropsAndClampsAreTheReferences) {
   }
 }
 
+// Light beyond the range of a film in units of 2^-40, in a room far from its file's origin.
+TEST(DeviceRenders, DimAndBrightRoomsFarAwayAreTheReferences) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  const glm::dvec3 place(-3761604, 4105280, 3870316);
+  for (const int exponent : {-43, 54}) {
+    GltfScene scene;
+    scene.add(turned(box({-1, -1, -1}, {1, 1, 1})), lambert({0.7, 0.6, 0.5}));
+    scene.add({quad({-0.4, 0.97, -0.4}, {0.8, 0, 0}, {0, 0, 0.8})},
+              emitter(glm::dvec3(std::ldexp(1.0, exponent))));
+    scene.set_perspective(look_at({0, 0, 0.9}, {0, 0.2, 0}), 1.4);
+    scene.set_root({{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {place, 1}});
+    const PreparedScene prepared = prepare(scene);
+    render::RenderSettings asked = box_filtered(12, 12, 4, 4);
+    asked.aovs = render::AOV_POSITION;
+    const image::Channels positions = surface_channels(prepared, asked);
+    image::Image found = render(prepared, asked).image;
+    auto wanted = check::render_with_reference(prepared.scene, prepared.bvh, asked,
+                                               [](uint64_t, uint64_t) { return true; });
+    double mean = 0;
+    for (std::vector<float>* values : {&found.rgb, &wanted.image.rgb})
+      for (float& value : *values) {
+        value = std::ldexp(value, -exponent);
+        mean += value / static_cast<double>(found.rgb.size());
+      }
+    EXPECT_GT(mean, 0.05);
+    EXPECT_LT(share_of_differences(found.rgb, wanted.image.rgb), 0.02) << exponent;
+    for (const char* name : {"P.X", "P.Y", "P.Z"})
+      EXPECT_EQ(std::get<std::vector<float>>(positions.at(name)),
+                std::get<std::vector<float>>(wanted.channels.at(name)))
+          << name;
+    for (const float x : std::get<std::vector<float>>(wanted.channels.at("P.X")))
+      EXPECT_NEAR(x, place.x, 1.25);
+  }
+}
+
 TEST(DeviceRenders, AovsAreTheReferences) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   const PreparedScene prepared = shared_copies(copies_scene());

@@ -118,6 +118,7 @@ TEST(Exr, ReadsHalfInAnOffsetDataWindow) {
     const image::Image image = image::read_exr(folder / "half.exr");
     ASSERT_EQ(image.width, 5u);
     ASSERT_EQ(image.height, 3u);
+    EXPECT_EQ(image.largest_finite, 65504);
     for (size_t i = 0; i < image.rgb.size(); ++i)
       ASSERT_EQ(image.rgb[i], 1.0f + static_cast<float>(i % 3) + 16.0f * static_cast<float>(i / 3));
   }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/error.hpp"
 #include "interface/wavefront.h"
 #include "render/film.hpp"
 #include "render/film_file.hpp"
@@ -74,12 +75,67 @@ TEST(Film, VarianceIsThatOfTheMean) {
   EXPECT_TRUE(std::isinf(resolve_variance(film).rgb[0]));
 }
 
+TEST(Film, SumsAreInUnitsOfTheExponent) {
+  Film film = empty_film(1, 1, 1);
+  set_bit(film, 0, 0, FRACTION);
+  film.earlier_words = film.square_words = film.words;
+  set_bit(film, 0, 0, FRACTION + 54);
+  for (const int exponent : {-100, -44, 23, 60}) {
+    film.exponents = {exponent, exponent / 2};
+    EXPECT_EQ(resolve(film).rgb[0], std::ldexp(1 + 0x1p54f, exponent));
+    // Two samples whose values sum to 2^e and squares to 2^(e / 2): (2^(e / 2) - 2^(2 e) / 2) / 2.
+    film.paths = 2;
+    const double spread = std::max(std::ldexp(1.0, exponent / 2) - std::ldexp(0.5, 2 * exponent), 0.0);
+    EXPECT_FLOAT_EQ(resolve_variance(film).rgb[0], static_cast<float>(spread / 2));
+    film.paths = 1;
+  }
+}
+
+// However much more came: it shows the least that cannot be held, and one way to write it.
+TEST(Film, SaturatedSumsAreCountedAndShowTheirBound) {
+  Film film = empty_film(2, 1, 2);
+  film.words[WORDS + 2] = 0x80000123;
+  film.words[WORDS + 3] = 7;
+  film.words[WORDS + 8] = 0xFFFFFFFF;
+  film.earlier_words = film.square_words = film.words;
+  EXPECT_EQ(count_saturated(film.words), 2u);
+  EXPECT_EQ(resolve(film).rgb[3], 0x1p55f);
+  EXPECT_EQ(resolve(film).rgb[5], 0x1p55f);
+  EXPECT_TRUE(std::isinf(resolve_variance(film).rgb[3]));
+  settle_saturated(film.words);
+  EXPECT_EQ(std::vector<uint32_t>(film.words.begin() + WORDS, film.words.end()),
+            (std::vector<uint32_t>{0, 0, 0x80000000, 7, 0, 0, 0, 0, 0x80000000}));
+}
+
+TEST(Film, SumsOfPartsSaturate) {
+  constexpr uint32_t SATURATED = interface::FILM_SATURATED;
+  Film a = empty_film(2, 1, 2), b = empty_film(2, 1, 2);
+  a.words = {5, 0, SATURATED,  5, 0, SATURATED,  0xFFFFFFFF, 0xFFFFFFFF, 0x7FFFFFFF,
+             5, 0, 0x7FFFFFFF, 0, 0, 0x40000000, 0,          0,          0xFFFFFFFF};
+  b.words = {9, 0, SATURATED, 9, 1, 0, 1, 0, 0, 9, 0, 0, 0, 0, 0x40000000, 0, 0, 0xFFFFFFFF};
+  add(a, b);
+  EXPECT_EQ(a.words, (std::vector<uint32_t>{0, 0, SATURATED, 0, 0, SATURATED, 0, 0, SATURATED, 14, 0,
+                                            0x7FFFFFFF, 0, 0, SATURATED, 0, 0, SATURATED}));
+}
+
+TEST(Film, FilesKeepTheExponents) {
+  Film film = empty_film(1, 1, 1);
+  film.exponents = {-44, 31};
+  image::ExrContents contents;
+  contents.width = contents.height = 1;
+  add_film(film, contents.channels, contents.attributes);
+  EXPECT_EQ(take_film("a.exr", contents).exponents, film.exponents);
+  add_film(film, contents.channels, contents.attributes);
+  contents.attributes["regulus:film_exponent"] = "-4000000";
+  EXPECT_THROW(take_film("a.exr", contents), Error);
+}
+
 TEST(Film, SumsOfPartsCarryFromWordToWord) {
   Film a = empty_film(1, 2, 2), b = empty_film(1, 2, 4);
-  a.words = {0xFFFFFFFF, 0xFFFFFFFF, 1, 5, 6, 7, 0, 0xFFFFFFFF, 0xFFFFFFFF, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  a.words = {0xFFFFFFFF, 0xFFFFFFFF, 1, 5, 6, 7, 0, 0xFFFFFFFF, 0xFFFFFF, 0, 0, 0, 0, 0, 0, 0, 0, 0};
   b.words = {1, 0, 2, 1, 1, 1, 0, 1, 0, 9, 0, 0, 0, 0, 0, 0, 0, 3};
   add(a, b);
-  EXPECT_EQ(a.words, (std::vector<uint32_t>{0, 0, 4, 6, 7, 8, 0, 0, 0, 9, 0, 0, 0, 0, 0, 0, 0, 3}));
+  EXPECT_EQ(a.words, (std::vector<uint32_t>{0, 0, 4, 6, 7, 8, 0, 0, 0x1000000, 9, 0, 0, 0, 0, 0, 0, 0, 3}));
   EXPECT_EQ(a.paths, 6u);
 }
 

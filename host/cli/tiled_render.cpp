@@ -1,0 +1,124 @@
+#include "cli/tiled_render.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "cli/part.hpp"
+#include "render/aov.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using render::Window;
+
+// Copies of the picture that exist at a time while it is encoded.
+constexpr uint64_t PICTURES_IN_MEMORY = 4;
+
+// Bytes of the film's buffers for each pixel: the largest one's and those of all.
+struct FilmBytes {
+  uint64_t largest, all;
+};
+
+FilmBytes film_bytes(const render::RenderSettings& settings) {
+  constexpr uint64_t SUMS = interface::FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
+  uint64_t sums = 1;
+  if ((settings.techniques & interface::TECHNIQUE_SPLAT) != 0) ++sums;
+  if ((settings.aovs & render::AOV_VARIANCE) != 0) sums += 2;
+  const bool has_surfaces = (settings.aovs & render::SURFACE_AOVS) != 0;
+  return {has_surfaces ? std::max<uint64_t>(SUMS, sizeof(interface::AovPixel)) : SUMS,
+          sums * SUMS + (has_surfaces ? sizeof(interface::AovPixel) : 0)};
+}
+
+// Values of a band's pixels, `per_pixel` of each: the band has all columns, so that its rows follow each
+// other.
+template <typename T>
+void place(const std::vector<T>& values, const Window& band, uint64_t per_pixel, const Window& whole,
+           std::vector<T>& all) {
+  all.resize(whole.pixels() * per_pixel);
+  std::copy(values.begin(), values.end(),
+            all.begin() + static_cast<ptrdiff_t>(uint64_t{band.y - whole.y} * whole.width * per_pixel));
+}
+
+void place(const image::Channels& channels, const Window& band, const Window& whole, image::Channels& all) {
+  for (const auto& [name, channel] : channels) {
+    image::Channel& joined = all.try_emplace(name, channel).first->second;
+    std::visit(
+        [&, own = &channel](auto& values) {
+          place(std::get<std::decay_t<decltype(values)>>(*own), band, 1, whole, values);
+        },
+        joined);
+  }
+}
+
+void require_memory(const render::RenderSettings& settings) {
+  const Window window = settings.window();
+  const uint64_t memory =
+      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
+  const uint64_t needed = PICTURES_IN_MEMORY * window.pixels() * 3 * sizeof(float);
+  if (needed > memory)
+    throw Error(
+        ExitStatus::Failed,
+        fmt::format("a picture of {} x {} pixels needs {} MiB while it is written, this machine has {} MiB; "
+                    "render parts of it with --crop",
+                    window.width, window.height, needed >> 20, memory >> 20));
+}
+
+}  // namespace
+
+std::vector<Window> film_bands(const gpu::Device& device, const render::RenderSettings& settings,
+                               uint64_t pixels_at_most) {
+  const Window window = settings.window();
+  const FilmBytes bytes = film_bytes(settings);
+  uint64_t pixels = device.info().max_allocation_bytes / bytes.largest;
+  // A band leaves as much memory for paths as it takes.
+  const uint64_t free = device.free_bytes();
+  if (window.pixels() * bytes.all > free) pixels = std::min(pixels, free / 2 / bytes.all);
+  if (pixels_at_most != 0) pixels = std::min(pixels, pixels_at_most);
+  const auto rows = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / window.width, 1, window.height));
+  std::vector<Window> bands;
+  for (uint32_t y = 0; y < window.height; y += rows)
+    bands.push_back({window.x, window.y + y, window.width, std::min(rows, window.height - y)});
+  return bands;
+}
+
+TiledRender render_in_bands(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+                            const render::RenderSettings& settings, const std::vector<Window>& bands,
+                            const render::ProgressCallback& progress) {
+  require_memory(settings);
+  const Window whole = settings.window();
+  const uint64_t total = whole.pixels() * settings.samples;
+  TiledRender result;
+  result.image.width = whole.width;
+  result.image.height = whole.height;
+  bool is_running = true;
+  for (const Window& band : bands) {
+    render::RenderSettings own = settings;
+    own.crop = band;
+    render::Renderer renderer(device, scene, bvh, own);
+    renderer.render(
+        [&](uint64_t done, uint64_t) { return is_running = progress(result.paths + done, total); });
+    const render::Film& film = renderer.film();
+    image::Channels channels;
+    if ((settings.aovs & render::SURFACE_AOVS) != 0)
+      render::add_surface_channels(renderer.surface_aovs(), settings.aovs, scene.origin, channels);
+    if ((settings.aovs & render::AOV_SIGMA) != 0)
+      render::add_sigma_channels(renderer.surface_footprints(), channels);
+    render::add_film_channels(film, settings.aovs, channels);
+    place(resolve(film).rgb, band, 3, whole, result.image.rgb);
+    place(channels, band, whole, result.channels);
+    for (const std::string& warning : saturation_warnings(film))
+      result.warnings.push_back(fmt::format("rows {} to {}: {}", band.y, band.y + band.height - 1, warning));
+    result.paths += film.paths;
+    result.non_finite += renderer.statistics().non_finite;
+    result.overruns += renderer.statistics().traversal_overruns;
+    result.render_seconds += renderer.statistics().render_seconds;
+    if (!is_running) break;
+  }
+  return result;
+}
+
+}  // namespace regulus::cli

@@ -1,0 +1,70 @@
+#include "scene/film_exponents.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/constants.hpp>
+
+#include "interface/wavefront.h"
+#include "scene/light_power.hpp"
+
+namespace regulus::scene {
+namespace {
+
+constexpr double PI = glm::pi<double>();
+// Samples of the brightest that fit into a sum: 2^this.
+constexpr int HEADROOM_BITS = 24;
+// Ordinary light keeps the unit that films always had.
+constexpr double LEAST_ORDINARY_BRIGHTNESS = 0x1p-20, LEAST_ORDINARY_LEVEL = 0x1p-30;
+// A kernel multiplies by 2^-exponent in single precision, with room for what is multiplied; of squares, whose
+// range is twice as large, by 2^(2 exponent of radiance - exponent of squares).
+constexpr int LEAST_EXPONENT = -100, GREATEST_EXPONENT = 74;
+
+double largest(const glm::dvec3& color) {
+  return std::max({color.r, color.g, color.b});
+}
+
+/// The exponent, between two bounds, for sums of values up to `brightest`, most of them about `level`.
+int exponent_for(double brightest, double level, int least, int greatest) {
+  if (!(brightest > 0)) return 0;
+  const double top =
+      std::ceil(std::log2(brightest)) + HEADROOM_BITS - static_cast<double>(interface::FILM_RANGE_BITS);
+  const bool is_dim = brightest < LEAST_ORDINARY_BRIGHTNESS || level < LEAST_ORDINARY_LEVEL;
+  if (top <= 0 && !is_dim) return 0;
+  const double wanted = top > 0 ? top : std::max(top, std::floor(std::log2(level)));  // log2(0) is -infinite
+  return static_cast<int>(std::clamp<double>(wanted, least, greatest));
+}
+
+}  // namespace
+
+void FilmRange::add_visible(const glm::dvec3& radiance) {
+  brightest_ = std::max(brightest_, largest(radiance));
+}
+
+void FilmRange::add_punctual(const interface::Light& light) {
+  const double intensity = largest(glm::dvec3(light.intensity));
+  if (light.kind == interface::LIGHT_DIRECTIONAL) {
+    level_ += intensity / PI;
+    return;
+  }
+  const double distance = std::max(glm::length(glm::dvec3(light.position) - center_), radius_);
+  level_ += intensity / (PI * distance * distance);
+}
+
+void FilmRange::add_power(double power) {
+  level_ += power / (4 * PI * PI * radius_ * radius_);
+}
+
+void FilmRange::add_environment(const Environment& environment) {
+  add_visible(glm::dvec3(environment.parameters.radiance));
+  for (const glm::vec3& texel : environment.texels) add_visible(glm::dvec3(texel));
+  level_ += environment.integral / (4 * PI);
+}
+
+FilmExponents FilmRange::exponents() const {
+  const double brightest = std::max(brightest_, level_);
+  return {
+      exponent_for(brightest, level_, LEAST_EXPONENT, GREATEST_EXPONENT),
+      exponent_for(brightest * brightest, level_ * level_, 2 * LEAST_EXPONENT, 2 * GREATEST_EXPONENT + 31)};
+}
+
+}  // namespace regulus::scene
