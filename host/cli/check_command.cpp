@@ -187,6 +187,8 @@ void run_check(CLI::App& command, CheckOptions& options) {
   if (options.statistics == 0 &&
       (settings.crop.pixels() != 0 || std::isfinite(settings.largest_contribution)))
     throw Error(ExitStatus::BadUsage, "check has --crop and --clamp only with --statistics");
+  if (!options.render.frames.empty())
+    throw Error(ExitStatus::BadUsage, "check has no --frames; give the time of one with --at");
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
   if (!radius_warning.empty()) spdlog::warn("{}: {}", scene.path.string(), radius_warning);

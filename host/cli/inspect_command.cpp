@@ -30,7 +30,8 @@ using Json = nlohmann::ordered_json;
 using namespace interface;
 
 struct InspectOptions {
-  std::string scene_file, json, variant;
+  std::string scene_file, json, variant, animation;
+  std::optional<double> time;
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
   bool is_strict = false;
@@ -80,6 +81,19 @@ Json materials_json(const scene::Scene& scene) {
                          {"emissive", (scene.materials[i].flags & MATERIAL_EMISSIVE) != 0},
                          {"triangles", triangles[i]}});
   return materials;
+}
+
+Json animations_json(const scene::Scene& scene) {
+  Json animations = Json::array();
+  for (const scene::AnimationSummary& animation : scene.inventory.animations)
+    animations.push_back({{"name", animation.name}, {"seconds", animation.seconds}});
+  return animations;
+}
+
+/// The animation and the time that pose the scene; null: it is at rest.
+Json pose_json(const scene::Scene& scene) {
+  if (!scene.pose) return nullptr;
+  return {{"animation", scene.pose->animation}, {"seconds", scene.pose->seconds}};
 }
 
 Json lights_json(const scene::Scene& scene) {
@@ -159,7 +173,9 @@ Json inspect(const InspectOptions& options) {
                                                         .allow_external = options.allow_external,
                                                         .is_strict = options.is_strict,
                                                         .variant = options.variant,
-                                                        .memory_bytes = options.memory_bytes});
+                                                        .memory_bytes = options.memory_bytes,
+                                                        .animation = options.animation,
+                                                        .time = options.time});
   render::RenderSettings settings = default_settings(scene);
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
@@ -181,6 +197,8 @@ Json inspect(const InspectOptions& options) {
           {"materials", materials_json(scene)},
           {"lights", lights_json(scene)},
           {"variants", scene.inventory.variants},
+          {"animations", animations_json(scene)},
+          {"pose", pose_json(scene)},
           {"images", scene.inventory.images},
           {"textures", scene.textures.size()},
           {"bytes", memory_json(scene, bvh, settings)},
@@ -232,6 +250,11 @@ void print_contents(const Json& scene) {
         material["class"].get<std::string>(), material["emissive"] ? ", emissive" : "",
         material["triangles"].get<uint64_t>());
   for (const Json& variant : scene["variants"]) say("variant          {}\n", variant.dump());
+  for (const Json& animation : scene["animations"])
+    say("animation        {}, {:g} s\n", animation["name"].dump(), animation["seconds"].get<double>());
+  if (!scene["pose"].is_null())
+    say("pose             {} at {} s\n", scene["pose"]["animation"].dump(),
+        scene["pose"]["seconds"].get<double>());
   for (const auto& [kind, count] : scene["lights"].items())
     if (count > 0) say("lights           {} {}\n", count.get<uint64_t>(), kind);
   say("textures         {} of {} images\n", scene["textures"].get<uint64_t>(),
@@ -270,6 +293,10 @@ void add_inspect_command(CLI::App& app) {
                       "Scene of the file by index (default: its own default)");
   command->add_option("--variant", options->variant,
                       "Material variant by name (default: the scene's, or none)");
+  command->add_option("--animation", options->animation,
+                      "Animation that poses the scene, by name or index (default: the scene's, or none)");
+  command->add_option("--at", options->time, "Time in seconds at which the animation poses the scene")
+      ->check(CLI::Range(-1e9, 1e9));
   command->add_option("--json", options->json, "Write everything to this file");
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");

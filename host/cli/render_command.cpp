@@ -8,12 +8,14 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "base/error.hpp"
 #include "bvh/scene_bvh.hpp"
 #include "check/reference_render.hpp"
 #include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
+#include "cli/frames.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/merge_radius.hpp"
 #include "cli/progress.hpp"
@@ -195,17 +197,25 @@ void print_noise(double noise, double target) {
         noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
 }
 
-// The film that --resume goes on from; none if there is no checkpoint yet, or a device in its place. Without
-// --resume a checkpoint is not overwritten: it may be hours of work.
+// Whether there is a checkpoint, or a device in its place is none.
+bool has_checkpoint(const RenderOptions& options) {
+  std::error_code error;
+  return fs::exists(options.checkpoint, error) && !image::is_device_or_pipe(options.checkpoint);
+}
+
+// Without --resume a checkpoint is not overwritten: it may be hours of work.
+void require_new_checkpoint(const RenderOptions& options) {
+  if (!has_checkpoint(options) || options.is_resumed) return;
+  throw Error(
+      ExitStatus::BadUsage,
+      fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it", options.checkpoint));
+}
+
+// The film that --resume goes on from; none if there is no checkpoint yet.
 std::optional<render::Film> find_checkpoint(const RenderOptions& options, const scene::Scene& scene,
                                             const render::RenderSettings& settings) {
-  std::error_code error;
-  if (!fs::exists(options.checkpoint, error) || image::is_device_or_pipe(options.checkpoint))
-    return std::nullopt;
-  if (!options.is_resumed)
-    throw Error(ExitStatus::BadUsage,
-                fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it",
-                            options.checkpoint));
+  if (!has_checkpoint(options)) return std::nullopt;
+  require_new_checkpoint(options);
   return read_checkpoint(options.checkpoint, scene_attributes(scene, settings), settings);
 }
 
@@ -233,39 +243,53 @@ image::Image write_image(OutputWriter& writer, const RenderOutputs& outputs, con
   return image;
 }
 
-void render_scene(CLI::App& command, RenderOptions& options) {
-  set_up_log(options);
-  lift_sample_limit(command, options);
+// What outlives a picture of a sequence.
+struct Session {
   OutputGuard guard;
-  const RenderOutputs outputs = resolve_outputs(options, guard);
+  std::unique_ptr<gpu::Device> device;  // opened when it is first needed
+  std::set<std::string> said;           // warnings
   Stopwatch stopwatch;
-  LoadTimes times;
+};
 
-  scene::Scene scene = scene::load(options.scene_file, load_options(options));
-  apply_scene_settings(command, scene);
+void say_warnings(const scene::Scene& scene, Session& session) {
+  for (const std::string& warning : scene.warnings)
+    if (session.said.insert(warning).second) spdlog::warn("{}: {}", scene.path.string(), warning);
+}
+
+gpu::Device& open_device(const RenderOptions& options, Session& session) {
+  if (session.device) return *session.device;
+  session.device =
+      std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = options.device,
+                                                       .software_stage_times = !options.stats.empty(),
+                                                       .memory_bytes = options.memory_bytes});
+  const gpu::DeviceInfo& info = session.device->info();
+  if (info.kind == gpu::DeviceKind::Software)
+    spdlog::info("device {}: software, rendering on the CPU", info.name);
+  else
+    spdlog::info("device {}", info.name);
+  return *session.device;
+}
+
+// Renders a scene that has just been loaded or posed.
+void render_picture(const RenderOptions& options, const RenderOutputs& outputs, scene::Scene& scene,
+                    Session& session) {
   render::RenderSettings settings = resolve_settings(options, scene);
-  check_outputs(outputs, options, settings, guard);
-  times.load_seconds = stopwatch.lap();
-
+  check_outputs(outputs, options, settings, session.guard);
+  LoadTimes times;
+  times.load_seconds = session.stopwatch.lap();
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
   const std::string radius_warning = choose_needed_merge_radius(scene, bvh, settings);
   if (!radius_warning.empty()) scene.warnings.push_back(radius_warning);
   const std::optional<render::Film> earlier = find_checkpoint(options, scene, settings);
-  for (const std::string& warning : scene.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
-  times.bvh_seconds = stopwatch.lap();
+  say_warnings(scene, session);
+  times.bvh_seconds = session.stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene::placed_triangle_count(scene), scene.lights.size(), times.load_seconds,
                times.bvh_seconds);
 
   if (options.backend == "reference") return render_by_reference(options, outputs, scene, bvh, settings);
 
-  gpu::Device device({.select = options.device,
-                      .software_stage_times = !outputs.stats.empty(),
-                      .memory_bytes = options.memory_bytes});
-  if (device.info().kind == gpu::DeviceKind::Software)
-    spdlog::info("device {}: software, rendering on the CPU", device.info().name);
-  else
-    spdlog::info("device {}", device.info().name);
+  gpu::Device& device = open_device(options, session);
   const std::vector<render::Window> bands = film_bands(device, settings, options.band_pixels);
   if (bands.size() > 1) return render_by_bands(options, outputs, device, scene, bvh, settings, bands);
   render::Renderer renderer(device, scene, bvh, settings);
@@ -317,6 +341,57 @@ void render_scene(CLI::App& command, RenderOptions& options) {
                                                outputs.picture.string()));
   writer.throw_failures();
   require_complete(is_finished, outputs);
+}
+
+// A picture to render: its frame, and the options and outputs under its names.
+struct Picture {
+  std::optional<Frame> frame;
+  RenderOptions options;
+  RenderOutputs outputs;
+};
+
+// All pictures that the options ask for, one if there are no frames. Whatever is wrong with any of their
+// names is better known before the first.
+std::vector<Picture> plan_pictures(const RenderOptions& options, const std::vector<Frame>& frames,
+                                   OutputGuard& guard) {
+  std::vector<Picture> pictures;
+  if (frames.empty()) {
+    pictures.push_back({std::nullopt, options, resolve_outputs(options, guard)});
+  }
+  for (const Frame& frame : frames) {
+    const RenderOptions named = for_frame(options, frame.number);
+    pictures.push_back({frame, named, resolve_outputs(named, guard)});
+    require_new_checkpoint(named);
+  }
+  return pictures;
+}
+
+void render_scene(CLI::App& command, RenderOptions& options) {
+  set_up_log(options);
+  lift_sample_limit(command, options);
+  Session session;
+  std::vector<Frame> frames = parse_frames(options);
+  std::vector<Picture> pictures = plan_pictures(options, frames, session.guard);
+  if (!frames.empty()) options.time = frames.front().seconds;
+  const bool has_own_time = options.time.has_value();
+  scene::SceneFile file(options.scene_file, load_options(options));
+  scene::Scene scene = file.load();
+  apply_scene_settings(command, scene);
+  if (!has_own_time) frames = parse_frames(options);  // those of the scene
+  if (!has_own_time && !frames.empty()) file.pose(scene, frames.front().seconds);
+  // Once more: with the scene's settings, and its frames.
+  session.guard = OutputGuard();
+  pictures = plan_pictures(options, frames, session.guard);
+  for (const Picture& picture : pictures) {
+    if (picture.frame && &picture != &pictures.front()) {
+      if (is_interrupted())
+        throw Error(ExitStatus::Interrupted,
+                    fmt::format("interrupted before frame {}", picture.frame->number));
+      session.stopwatch.lap();
+      file.pose(scene, picture.frame->seconds);
+    }
+    render_picture(picture.options, picture.outputs, scene, session);
+  }
 }
 
 }  // namespace

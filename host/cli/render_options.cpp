@@ -65,14 +65,33 @@ const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
                                                         {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
-const std::set<std::string> COMMAND_LINE_ONLY = {
-    "output", "png",     "stats",        "strategy-images", "device",  "scene",      "allow-external",
-    "strict", "memory",  "quiet",        "verbose",         "help",    "wave",       "backend",
-    "env",    "variant", "env-rotation", "env-scale",       "samples", "checkpoint", "checkpoint-seconds",
-    "resume"};
+const std::set<std::string> COMMAND_LINE_ONLY = {"output",
+                                                 "png",
+                                                 "stats",
+                                                 "strategy-images",
+                                                 "device",
+                                                 "scene",
+                                                 "allow-external",
+                                                 "strict",
+                                                 "memory",
+                                                 "quiet",
+                                                 "verbose",
+                                                 "help",
+                                                 "wave",
+                                                 "backend",
+                                                 "env",
+                                                 "variant",
+                                                 "animation",
+                                                 "at",
+                                                 "env-rotation",
+                                                 "env-scale",
+                                                 "samples",
+                                                 "checkpoint",
+                                                 "checkpoint-seconds",
+                                                 "resume"};
 
 std::vector<std::string> scene_setting_names(const CLI::App& command) {
-  std::vector<std::string> names = {"environment", "variant"};
+  std::vector<std::string> names = {"environment", "variant", "animation", "at"};
   for (const CLI::Option* option : command.get_options())
     for (const std::string& name : option->get_lnames())
       if (!COMMAND_LINE_ONLY.contains(name)) names.push_back(name);
@@ -327,6 +346,21 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)");
   command.add_option("--variant", options.variant,
                      "Material variant by name (default: the scene's, or none)");
+  command.add_option("--animation", options.animation,
+                     "Animation that poses the scene, by name or index (default: the scene's, or none)");
+  command
+      .add_option("--at", options.time,
+                  "Time in seconds at which the animation, or else the first one, poses the scene")
+      ->check(number_in(-1e9, 1e9));
+  command
+      .add_option(
+          "--frames", options.frames,
+          "FIRST:LAST: a picture of each of these frames, number / fps seconds into the animation, in "
+          "files of their own: the frame's number, as in name.0007.exr, or in place of #s in the name")
+      ->excludes("--at");
+  command.add_option("--fps", options.frames_per_second, "Frames per second of --frames")
+      ->check(number_in(1e-6, 1e6))
+      ->capture_default_str();
   command.add_option(
       "--env", options.environment,
       "Environment light: a latitude-longitude map, OpenEXR or Radiance HDR (default: the scene's)");
@@ -399,7 +433,9 @@ scene::LoadOptions load_options(const RenderOptions& options) {
           .is_strict = options.is_strict,
           .environment = {options.environment, options.environment_rotation, options.environment_scale},
           .variant = options.variant,
-          .memory_bytes = options.memory_bytes};
+          .memory_bytes = options.memory_bytes,
+          .animation = options.animation,
+          .time = options.time};
 }
 
 void apply_scene_settings(CLI::App& command, scene::Scene& scene) {

@@ -43,6 +43,10 @@ struct RenderOptions {
   std::optional<double> time_limit;    ///< seconds of rendering; none: all samples
   std::optional<double> noise_target;  ///< see render::NoiseEstimate; none: all samples
   std::optional<float> filter_radius;  ///< pixels; none: the filter's own
+  std::string animation;               ///< name or index; empty: the scene's, or none
+  std::optional<double> time;          ///< s, of the animation
+  std::string frames;                  ///< FIRST:LAST; empty: one picture
+  double frames_per_second = 24;
   std::optional<uint32_t> scene_index;
   std::string variant;      ///< of materials; empty: the scene's
   std::string environment;  ///< file; empty: the scene's

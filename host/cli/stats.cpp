@@ -85,6 +85,8 @@ nlohmann::json scene_json(const scene::Scene& scene) {
   for (uint32_t i = 0; i < MATERIAL_CLASS_COUNT; ++i)
     if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
   return {{"file", scene.path.string()},
+          {"animation", scene.pose ? nlohmann::json(scene.pose->animation) : nlohmann::json()},
+          {"animation_seconds", scene.pose ? nlohmann::json(scene.pose->seconds) : nlohmann::json()},
           {"hash", fmt::format("{:016x}", scene.hash)},
           {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
           {"triangles", scene::placed_triangle_count(scene)},
@@ -175,6 +177,10 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Rend
   for (const auto& [name, value] : recorded.items())
     attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
   attributes["regulus:scene"] = scene.path.string();
+  if (scene.pose) {
+    attributes["regulus:animation"] = scene.pose->animation;
+    attributes["regulus:animation_seconds"] = fmt::format("{}", scene.pose->seconds);
+  }
   attributes["regulus:origin"] =
       fmt::format("{:.17g} {:.17g} {:.17g}", scene.origin.x, scene.origin.y, scene.origin.z);
   attributes["regulus:scene_hash"] = fmt::format("{:016x}", scene.hash);

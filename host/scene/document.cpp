@@ -182,6 +182,14 @@ tinygltf::Model to_model(json reduced, const Document& document) {
   return model;
 }
 
+tinygltf::Model make_model(const json& reduced, const Document& document) {
+  json lent = reduced;
+  const std::vector<size_t> borrowers = lend_views(lent);
+  tinygltf::Model model = to_model(std::move(lent), document);
+  for (const size_t accessor : borrowers) model.accessors[accessor].bufferView = -1;
+  return model;
+}
+
 /// The bytes of a buffer; those that there are, where it declares more.
 ByteSpan read_buffer(Document& document, const json& buffer, size_t index, std::optional<ByteSpan> binary) {
   const std::string element = fmt::format("buffer {}", index);
@@ -315,13 +323,23 @@ Document open_document(const std::filesystem::path& path, bool allow_external, b
   document.images = reduced.value("images", json::array());
   document.skins = reduced.value("skins", json::array());
   decode_meshopt_views(document, reduced);
+  document.checked = reduced;
+  for (const char* part : {"buffers", "images"}) document.checked.erase(part);
   convert_specular_glossiness(reduced);
-  json lent = reduced;
-  const std::vector<size_t> borrowers = lend_views(lent);
-  document.model = to_model(std::move(lent), document);
-  for (const size_t accessor : borrowers) document.model.accessors[accessor].bufferView = -1;
+  document.model = make_model(reduced, document);
   decode_draco_primitives(document, reduced);
   return document;
+}
+
+void rebuild_model(Document& document) {
+  json reduced = document.checked;
+  convert_specular_glossiness(reduced);
+  tinygltf::Model model = make_model(reduced, document);
+  // As decoding and the choice of a variant have left them.
+  model.accessors = std::move(document.model.accessors);
+  for (size_t i = 0; i < model.meshes.size(); ++i)
+    model.meshes[i].primitives = std::move(document.model.meshes[i].primitives);
+  document.model = std::move(model);
 }
 
 float finite_float(const Document& document, double value, const std::string& element) {

@@ -24,6 +24,7 @@ struct Document {
   Files files;
   bool is_strict = false;      ///< faults that could be mended are errors
   nlohmann::json json;         ///< as written, extras included (types unchecked)
+  nlohmann::json checked;      ///< json after check_and_reduce, what the model is made of
   tinygltf::Model model;       ///< checked by check_and_reduce; without buffers, images, skins and animations
   nlohmann::json images;       ///< json["images"], checked
   nlohmann::json skins;        ///< json["skins"], checked
@@ -81,6 +82,10 @@ inline constexpr size_t MAX_WARNINGS = 100;
 /// @throws Error(BadFile)
 Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict,
                        uint64_t memory_bytes = default_memory_bytes());
+
+/// Makes the model of what has been written into Document::checked since it was opened. Accessors, and which
+/// of them and which materials primitives have, stay as they are.
+void rebuild_model(Document& document);
 
 /// Converts to float. @throws Error naming `element` if the value is not finite as a float.
 float finite_float(const Document& document, double value, const std::string& element);

@@ -13,6 +13,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// FNV-1a of 64 bits over further bytes.
+template <typename Sequence>
+uint64_t continue_hash(uint64_t hash, const Sequence& bytes) {
+  for (const auto byte : bytes) hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3u;
+  return hash;
+}
+
 int hex_digit(char c) {
   if (c >= '0' && c <= '9') return c - '0';
   if (c >= 'a' && c <= 'f') return c - 'a' + 10;
@@ -165,14 +172,12 @@ Bytes Files::read_file(const fs::path& path, const std::string& element) {
   Bytes bytes(size);
   stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(size));
   if (static_cast<uint64_t>(stream.gcount()) != size) refuse("reading stopped early; check the disk");
-  add_to_hash(bytes);
+  hash_ = continue_hash(hash_, bytes);
   return bytes;
 }
 
-void Files::add_to_hash(const Bytes& bytes) {
-  uint64_t hash = hash_;
-  for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
-  hash_ = hash;
+uint64_t Files::hash_with(const std::string& text) const {
+  return continue_hash(hash_, text);
 }
 
 }  // namespace regulus::scene

@@ -63,15 +63,14 @@ class Files {
 
   /// FNV-1a (64 bit) of all bytes read so far, in the order of reading.
   uint64_t hash() const { return hash_; }
-  /// Adds what else decides about the scene to the hash.
-  void add_text_to_hash(const std::string& text) { add_to_hash(Bytes(text.begin(), text.end())); }
+  /// The hash with what else decides about a scene.
+  uint64_t hash_with(const std::string& text) const;
 
   const std::filesystem::path& scene_file() const { return scene_file_; }
 
  private:
   /// The file that a relative path names. @throws Error if it lies outside the folder and may not.
   std::filesystem::path locate(const std::string& relative, const std::string& element) const;
-  void add_to_hash(const Bytes& bytes);
 
   std::filesystem::path scene_file_;
   bool allow_external_;

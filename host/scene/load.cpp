@@ -2,10 +2,15 @@
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
+#include <memory>
 #include <new>
+#include <utility>
 
 #include "base/error.hpp"
+#include "scene/animation.hpp"
 #include "scene/clipping.hpp"
 #include "scene/document.hpp"
 #include "scene/environment_file.hpp"
@@ -20,6 +25,7 @@
 #include "scene/punctual.hpp"
 #include "scene/scene.hpp"
 #include "scene/schema.hpp"
+#include "scene/texture.hpp"
 #include "scene/variants.hpp"
 
 namespace regulus::scene {
@@ -57,11 +63,17 @@ const json* regulus_extras(const Document& document, const std::optional<size_t>
   return object_member(object_member(&document.json["scenes"][*scene_index], "extras"), "regulus");
 }
 
+/// Settings that decide what is loaded, not how it is rendered.
+bool is_part_of_scene(const std::string& setting) {
+  constexpr std::array NAMES = {"environment", "variant", "animation", "at"};
+  return std::find(NAMES.begin(), NAMES.end(), setting) != NAMES.end();
+}
+
 void read_settings(Document& document, size_t scene_index, Scene& scene) {
   const json* settings = regulus_extras(document, scene_index);
   if (settings == nullptr || !settings->is_object()) return;
   for (const auto& [name, value] : settings->items()) {
-    if (name == "environment" || name == "variant") continue;  // no options but part of the scene
+    if (is_part_of_scene(name)) continue;
     if (value.is_string())
       scene.settings[name] = value.get<std::string>();
     else if (value.is_number() || value.is_boolean())
@@ -80,6 +92,32 @@ std::string asked_variant(const Document& document, const std::optional<size_t>&
   if (!of_scene->is_string())
     document.fail("scenes[].extras.regulus.variant is not a string; write the variant's name");
   return of_scene->get<std::string>();
+}
+
+/// An animation of the file and the time at which it poses the scene.
+struct AskedPose {
+  size_t animation;
+  double seconds;
+};
+
+/// The pose that the command line or else the scene asks for.
+std::optional<AskedPose> asked_pose(const Document& document, const std::optional<size_t>& scene_index,
+                                    const LoadOptions& options) {
+  const json* extras = regulus_extras(document, scene_index);
+  const json* of_scene = object_member(extras, "animation");
+  const json* time_of_scene = object_member(extras, "at");
+  std::string animation = options.animation;
+  if (animation.empty() && of_scene != nullptr)
+    animation = of_scene->is_string() ? of_scene->get<std::string>() : of_scene->dump();
+  std::optional<double> time = options.time;
+  if (!time && time_of_scene != nullptr) {
+    if (!time_of_scene->is_number())
+      document.fail("scenes[].extras.regulus.at is not a number; write seconds");
+    time = time_of_scene->get<double>();
+  }
+  if (time && !std::isfinite(*time)) document.fail("the time of an animation must be finite; give seconds");
+  if (animation.empty() && !time) return std::nullopt;
+  return AskedPose{find_animation(document, animation.empty() ? "0" : animation), time.value_or(0)};
 }
 
 void set_bounds(Scene& scene) {
@@ -104,6 +142,7 @@ Inventory take_inventory(const Document& document, size_t places) {
   inventory.instances = places;
   inventory.images = document.images.size();
   inventory.variants = variant_names(document);
+  inventory.animations = list_animations(document);
   for (const std::string& name : document.extensions_used())
     (is_known_extension(name) ? inventory.extensions_read : inventory.extensions_ignored).push_back(name);
   return inventory;
@@ -119,8 +158,9 @@ glm::dvec3 choose_scene_origin(Document& document, const std::vector<PlacedNode>
 }
 
 /// The options that make another scene of the same files.
-std::string describe(const LoadOptions& options) {
+std::string describe(const LoadOptions& options, const std::optional<AskedPose>& pose) {
   std::string text;
+  if (pose) text += fmt::format("animation {} at {} ", pose->animation, pose->seconds);
   if (!options.variant.empty()) text += fmt::format("variant {} ", options.variant);
   if (options.scene) text += fmt::format("scene {} ", *options.scene);
   if (options.environment.rotation) text += fmt::format("rotation {} ", *options.environment.rotation);
@@ -164,61 +204,135 @@ std::string cause_of_emptiness(const Document& document, const std::optional<siz
       placed);
 }
 
-Scene load_unguarded(const std::filesystem::path& path, const LoadOptions& options) {
-  Document document =
-      open_document(path, options.allow_external, options.is_strict,
-                    options.memory_bytes != 0 ? options.memory_bytes : default_memory_bytes());
-  const std::optional<size_t> scene_index = choose_scene(document, options.scene);
-  std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
-  const std::string variant = asked_variant(document, scene_index, options);
-  if (!variant.empty()) choose_variant(document, variant);
-
-  Scene scene;
-  scene.path = path;
-  std::vector<PlacedNode> places = place_meshes(document, nodes);
-  drop_unreadable(document, places);
-  require_vertices(document, places);
-  pose_meshes(document, nodes, places);
-  const PlacedBoxes boxes(document, places);
-  const double extent = boxes.all().extent();
-  scene.origin = choose_scene_origin(document, places, boxes);
-  take_off(scene.origin, nodes);
-  take_off(scene.origin, places);
-  add_geometry(document, places, boxes.meshes(), options.sharing_gain, scene);
-  if (scene.triangles.empty())
-    document.fail("nothing to render: " + cause_of_emptiness(document, scene_index, nodes, extent));
-  set_bounds(scene);
-  add_materials(document, scene);
-  add_punctual_lights(document, nodes, scene);
-  add_cameras(document, nodes, scene);
-  drop_idle_planes(scene);
-  scene.inventory = take_inventory(document, places.size());
-  scene.inventory.has_cameras = !scene.cameras.empty();
-  if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
-  read_resolution(document, scene);
-  if (scene_index) read_settings(document, *scene_index, scene);
-  scene.environment = read_environment(
-      document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
-  if (!scene.environment && scene_index)
-    scene.environment = read_image_based_light(document, *scene_index, options.environment);
-  scene.warnings = document.warnings;
-  if (document.unsaid_warnings > 0)
-    scene.warnings.push_back(fmt::format("{} more warnings are left out", document.unsaid_warnings));
-  document.files.add_text_to_hash(describe(options));
-  scene.hash = document.files.hash();
-  return scene;
-}
-
 }  // namespace
 
-Scene load(const std::filesystem::path& path, const LoadOptions& options) {
+struct SceneFile::Impl {
+  std::filesystem::path path;
+  LoadOptions options;
+  Document document;
+  std::optional<size_t> scene_index;
+  std::optional<AskedPose> pose;
+  std::optional<Animation> animation;
+  LoadedTextures textures;  // those of the last scene
+  bool has_environment = false;
+  uint64_t geometry_bytes = 0;  // what the last scene's geometry was counted as
+
+  Impl(std::filesystem::path file, const LoadOptions& load_options)
+      : path(std::move(file)),
+        options(load_options),
+        document(open_document(path, options.allow_external, options.is_strict,
+                               options.memory_bytes != 0 ? options.memory_bytes : default_memory_bytes())),
+        scene_index(choose_scene(document, options.scene)),
+        pose(asked_pose(document, scene_index, options)) {
+    const std::string variant = asked_variant(document, scene_index, options);
+    if (!variant.empty()) choose_variant(document, variant);
+  }
+
+  void choose_pose(double seconds) {
+    if (!pose) pose = AskedPose{find_animation(document, "0"), 0};
+    pose->seconds = seconds;
+  }
+
+  /// Fills a scene that holds `textures`, and the environment if it has been read.
+  void fill(Scene& scene) {
+    if (pose && !animation) animation.emplace(document, pose->animation);
+    if (pose) animation->pose(document, pose->seconds);
+    std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
+    scene.path = path;
+    std::vector<PlacedNode> places = place_meshes(document, nodes);
+    drop_unreadable(document, places);
+    require_vertices(document, places);
+    pose_meshes(document, nodes, places);
+    const PlacedBoxes boxes(document, places);
+    const double extent = boxes.all().extent();
+    scene.origin = choose_scene_origin(document, places, boxes);
+    take_off(scene.origin, nodes);
+    take_off(scene.origin, places);
+    document.files.release_to(document.files.held_bytes() - geometry_bytes);
+    const uint64_t held = document.files.held_bytes();
+    add_geometry(document, places, boxes.meshes(), options.sharing_gain, scene);
+    geometry_bytes = document.files.held_bytes() - held;
+    if (scene.triangles.empty())
+      document.fail("nothing to render: " + cause_of_emptiness(document, scene_index, nodes, extent));
+    set_bounds(scene);
+    add_materials(document, scene, textures);
+    add_punctual_lights(document, nodes, scene);
+    add_cameras(document, nodes, scene);
+    drop_idle_planes(scene);
+    scene.inventory = take_inventory(document, places.size());
+    scene.inventory.has_cameras = !scene.cameras.empty();
+    if (scene.cameras.empty()) scene.cameras.push_back(frame_bounds(scene.bounds_min, scene.bounds_max));
+    read_resolution(document, scene);
+    if (scene_index) read_settings(document, *scene_index, scene);
+    if (!has_environment) read_environment_of(scene);
+    label(scene);
+  }
+
+  void read_environment_of(Scene& scene) {
+    scene.environment = read_environment(
+        document, object_member(regulus_extras(document, scene_index), "environment"), options.environment);
+    has_environment = scene.environment.has_value();
+    // An animation may turn or dim it: it is read for every pose.
+    if (!scene.environment && scene_index)
+      scene.environment = read_image_based_light(document, *scene_index, options.environment);
+  }
+
+  /// What the scene was made of.
+  void label(Scene& scene) {
+    if (pose) scene.pose = ScenePose{animation_name(document, pose->animation), pose->seconds};
+    scene.warnings = document.warnings;
+    if (document.unsaid_warnings > 0)
+      scene.warnings.push_back(fmt::format("{} more warnings are left out", document.unsaid_warnings));
+    scene.hash = document.files.hash_with(describe(options, pose));
+  }
+};
+
+namespace {
+
+/// Runs `action` and says what is to be said if memory runs out.
+template <typename Action>
+auto with_memory(const std::filesystem::path& path, const Action& action) {
   try {
-    return load_unguarded(path, options);
+    return action();
   } catch (const OutOfMemory& error) {
     fail(path, error.what());
   } catch (const std::bad_alloc&) {
     fail(path, "not enough memory to load it; reduce the scene");
   }
+}
+
+}  // namespace
+
+SceneFile::SceneFile(std::filesystem::path path, const LoadOptions& options)
+    : impl_(with_memory(path, [&] { return std::make_unique<Impl>(path, options); })) {}
+SceneFile::~SceneFile() = default;
+SceneFile::SceneFile(SceneFile&&) noexcept = default;
+SceneFile& SceneFile::operator=(SceneFile&&) noexcept = default;
+
+Scene SceneFile::load() {
+  return with_memory(impl_->path, [&] {
+    Scene scene;
+    impl_->textures = {};
+    impl_->has_environment = false;
+    impl_->fill(scene);
+    return scene;
+  });
+}
+
+void SceneFile::pose(Scene& scene, double seconds) {
+  with_memory(impl_->path, [&] {
+    Scene posed;
+    posed.textures = std::move(scene.textures);
+    posed.images = std::move(scene.images);
+    if (impl_->has_environment) posed.environment = std::move(scene.environment);
+    impl_->choose_pose(seconds);
+    impl_->fill(posed);
+    scene = std::move(posed);
+  });
+}
+
+Scene load(const std::filesystem::path& path, const LoadOptions& options) {
+  return SceneFile(path, options).load();
 }
 
 void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order) {

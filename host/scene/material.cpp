@@ -346,12 +346,12 @@ bool may_emit(const tinygltf::Material& material) {
   return is_unlit(material) || std::any_of(factor.begin(), factor.end(), [](double x) { return x != 0; });
 }
 
-void add_materials(Document& document, Scene& scene) {
+void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
   const auto& sources = document.model.materials;
   std::vector<bool> is_used(sources.size() + 1, false);
   for (const interface::Triangle& triangle : scene.triangles) is_used[triangle.material] = true;
 
-  TextureLoader loader(document, scene);
+  TextureLoader loader(document, scene, loaded);
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();

@@ -3,6 +3,7 @@
 
 #include "scene/document.hpp"
 #include "scene/scene.hpp"
+#include "scene/texture.hpp"
 
 namespace regulus::scene {
 
@@ -13,8 +14,9 @@ bool needs_tangents(const tinygltf::Material& material);
 bool may_emit(const tinygltf::Material& material);
 
 /// Fills Scene::materials (same indices as the file; one more, glTF's default material, if a triangle uses
-/// it) and the textures of those that triangles use. Call after add_geometry.
+/// it) and the textures of those that triangles use: those that are not `loaded` into the scene already. Call
+/// after add_geometry.
 /// @throws Error on values without meaning and on unreadable images.
-void add_materials(Document& document, Scene& scene);
+void add_materials(Document& document, Scene& scene, LoadedTextures& loaded);
 
 }  // namespace regulus::scene

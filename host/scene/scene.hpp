@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <limits>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -33,6 +34,12 @@ struct SceneCamera {
   float z_near = 0, z_far = NO_FAR_PLANE;          ///< depths between which it sees, metres
 };
 
+/// An animation as a user sees it.
+struct AnimationSummary {
+  std::string name;    ///< may be empty
+  double seconds = 0;  ///< time of its last key
+};
+
 /// What the file holds and what became of it, for `regulus inspect`.
 struct Inventory {
   size_t meshes = 0;                            ///< of the file
@@ -42,6 +49,13 @@ struct Inventory {
   std::vector<std::string> extensions_read;     ///< of extensionsUsed
   std::vector<std::string> extensions_ignored;  ///< of extensionsUsed
   std::vector<std::string> variants;            ///< KHR_materials_variants, by name
+  std::vector<AnimationSummary> animations;     ///< of the file
+};
+
+/// An animation at a time: what poses a scene.
+struct ScenePose {
+  std::string animation;  ///< its name, or its index if it has none
+  double seconds = 0;     ///< from its start
 };
 
 /// A mesh that is stored once for several copies: consecutive triangles of Scene::triangles, in the mesh's
@@ -88,6 +102,7 @@ struct Scene {
   std::optional<Environment> environment;
   std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
+  std::optional<ScenePose> pose;                ///< none: as the file has it
   std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
   std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value
   std::vector<std::string> warnings;            ///< one line each
@@ -116,6 +131,33 @@ struct LoadOptions {
   /// Material variant by name; empty: what scenes[].extras.regulus says, else the file's own materials.
   std::string variant{};
   uint64_t memory_bytes = 0;  ///< what the scene may take on the host; 0: default_memory_bytes()
+  /// Animation that poses the scene, by name or index; empty: what scenes[].extras.regulus says, else the
+  /// first one if a time is given, else none.
+  std::string animation{};
+  std::optional<double> time{};  ///< s, of the animation; none: what scenes[].extras.regulus says, else 0
+};
+
+/// A scene file that stays open: its scene can be had at many times of an animation.
+class SceneFile {
+ public:
+  /// Opens a .gltf or .glb file.
+  /// @throws regulus::Error (BadFile) with one line: file, offending element, what to do.
+  explicit SceneFile(std::filesystem::path path, const LoadOptions& options = {});
+  ~SceneFile();
+  SceneFile(SceneFile&&) noexcept;
+  SceneFile& operator=(SceneFile&&) noexcept;
+
+  /// The scene in the pose that the options ask for. @throws as the constructor
+  Scene load();
+
+  /// Poses a scene of this file by its animation (the first one unless the options name another) at a time in
+  /// seconds: afterwards it is, but for the numbers of textures, what load() gives for that time. Images and
+  /// environment maps are not read again. @throws as the constructor
+  void pose(Scene& scene, double seconds);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 /// Reads a .gltf or .glb file.

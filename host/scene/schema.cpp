@@ -24,8 +24,9 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 20> KNOWN_EXTENSIONS = {"EXT_lights_image_based",
+constexpr std::array<std::string_view, 21> KNOWN_EXTENSIONS = {"EXT_lights_image_based",
                                                                "EXT_mesh_gpu_instancing",
+                                                               "KHR_animation_pointer",
                                                                "EXT_meshopt_compression",
                                                                "EXT_texture_webp",
                                                                "KHR_draco_mesh_compression",
@@ -398,6 +399,23 @@ class Checker {
 };
 
 }  // namespace
+
+std::optional<MemberShape> shape_of(std::string_view context, std::string_view member) {
+  const Rule* rule = find_rule(context, member);
+  if (rule == nullptr) return std::nullopt;
+  switch (rule->kind) {
+    case Kind::Number:
+      return MemberShape{};
+    case Kind::Boolean:
+      return MemberShape{.is_boolean = true};
+    case Kind::Vector:
+      return MemberShape{.length = rule->length, .is_array = true};
+    case Kind::Numbers:
+      return MemberShape{.length = 0, .is_array = true};
+    default:
+      return std::nullopt;
+  }
+}
 
 bool is_known_extension(std::string_view name) {
   return std::find(KNOWN_EXTENSIONS.begin(), KNOWN_EXTENSIONS.end(), name) != KNOWN_EXTENSIONS.end();

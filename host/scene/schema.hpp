@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -29,6 +30,16 @@ JsonSize measure_json(std::string_view text, const std::filesystem::path& file);
 /// @throws Error(BadFile) if what is wrong belongs to no element; it names the member by its JSON path, e.g.
 /// meshes/3/primitives/0/indices.
 std::vector<BrokenElement> check_and_reduce(nlohmann::json& document, const std::filesystem::path& file);
+
+/// Of a member whose value is made of numbers.
+struct MemberShape {
+  size_t length = 1;  ///< 0: any number of them
+  bool is_array = false, is_boolean = false;
+};
+
+/// What the loader reads a member as; none if it reads none of that name, or not as numbers.
+/// @param context the extension, or the texture, that it is a member of; other names mean nothing
+std::optional<MemberShape> shape_of(std::string_view context, std::string_view member);
 
 /// Whether the loader reads the extension.
 bool is_known_extension(std::string_view name);

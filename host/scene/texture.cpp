@@ -113,9 +113,9 @@ double srgb_to_linear(double encoded) {
 
 uint32_t TextureLoader::load(int texture, TextureContent content, const interface::Texture& placement) {
   const glm::vec3 &u = placement.map_u, &v = placement.map_v;
-  const Key key(texture, content, placement.flags, {u.x, u.y, u.z, v.x, v.y, v.z});
-  const auto known = textures_.find(key);
-  if (known != textures_.end()) return known->second;
+  const LoadedTextures::Key key(texture, content, placement.flags, {u.x, u.y, u.z, v.x, v.y, v.z});
+  const auto known = loaded_.textures.find(key);
+  if (known != loaded_.textures.end()) return known->second;
   document_.require_whole("textures", static_cast<size_t>(texture), fmt::format("texture {}", texture));
   const tinygltf::Texture& source = document_.model.textures[static_cast<size_t>(texture)];
   const std::string element = element_name("texture", static_cast<size_t>(texture), source.name);
@@ -127,14 +127,14 @@ uint32_t TextureLoader::load(int texture, TextureContent content, const interfac
   loaded.map_v = placement.map_v;
   const auto index = static_cast<uint32_t>(scene_.textures.size());
   scene_.textures.push_back(loaded);
-  textures_.emplace(key, index);
+  loaded_.textures.emplace(key, index);
   return index;
 }
 
 interface::Texture TextureLoader::load_image(size_t image, TextureContent content,
                                              const std::string& texture) {
-  const auto known = decoded_.find({image, content});
-  if (known != decoded_.end()) return known->second;
+  const auto known = loaded_.images.find({image, content});
+  if (known != loaded_.images.end()) return known->second;
 
   const std::string element = fmt::format("{} image {}", texture, image);
   const uint64_t held = document_.files.held_bytes();
@@ -154,17 +154,17 @@ interface::Texture TextureLoader::load_image(size_t image, TextureContent conten
   loaded.image = add_image(image, loaded.flags, std::move(*words));
   document_.files.release_to(held);
   document_.hold(stored, size);
-  return decoded_[{image, content}] = loaded;
+  return loaded_.images[{image, content}] = loaded;
 }
 
 uint32_t TextureLoader::add_image(size_t image, uint32_t flags, std::vector<uint32_t> words) {
   // Codes are the same whatever they stand for.
-  const auto codes = codes_.find(image);
+  const auto codes = loaded_.codes.find(image);
   const bool has_codes = (flags & (interface::TEXTURE_HALF | interface::TEXTURE_UNORM16)) == 0;
-  if (has_codes && codes != codes_.end()) return codes->second;
+  if (has_codes && codes != loaded_.codes.end()) return codes->second;
   const auto index = static_cast<uint32_t>(scene_.images.size());
   scene_.images.push_back(std::move(words));
-  if (has_codes) codes_[image] = index;
+  if (has_codes) loaded_.codes[image] = index;
   return index;
 }
 

@@ -37,11 +37,22 @@ double srgb_to_linear(double encoded);
 /// The file of an image. @throws Error naming `element` if it cannot be read.
 Bytes image_bytes(Document& document, size_t image, const std::string& element);
 
+/// What Scene::textures and Scene::images hold of a document's textures.
+struct LoadedTextures {
+  /// Texture, content, flags and rows of its placement.
+  using Key = std::tuple<int, TextureContent, uint32_t, std::array<float, 6>>;
+  std::map<Key, uint32_t> textures;                                        ///< index into Scene::textures
+  std::map<std::pair<size_t, TextureContent>, interface::Texture> images;  ///< by image
+  std::map<size_t, uint32_t> codes;  ///< by image of the file: where its 8-bit codes are
+};
+
 /// Decodes glTF textures into Scene::textures on demand; each image once per content, 8-bit codes stored once
 /// for all.
 class TextureLoader {
  public:
-  TextureLoader(Document& document, Scene& scene) : document_(document), scene_(scene) {}
+  /// @param loaded what the scene holds already; it is kept up to date
+  TextureLoader(Document& document, Scene& scene, LoadedTextures& loaded)
+      : document_(document), scene_(scene), loaded_(loaded) {}
 
   /// Index into Scene::textures for a glTF texture that finds its coordinates so (see
   /// MaterialUvs::placement).
@@ -55,11 +66,7 @@ class TextureLoader {
 
   Document& document_;
   Scene& scene_;
-  /// Texture, content, flags and rows of its placement.
-  using Key = std::tuple<int, TextureContent, uint32_t, std::array<float, 6>>;
-  std::map<Key, uint32_t> textures_;
-  std::map<std::pair<size_t, TextureContent>, interface::Texture> decoded_;
-  std::map<size_t, uint32_t> codes_;  ///< by image of the file: where its 8-bit codes are
+  LoadedTextures& loaded_;
 };
 
 /// Texel (x, y) as linear RGBA; the coordinates are wrapped by the texture's own modes first.

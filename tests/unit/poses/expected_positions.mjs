@@ -47,9 +47,20 @@ function readDocument(path) {
   return JSON.stringify(json);
 }
 
+// SimpleSkin has keys of .707, of which three.js makes a rotation that shrinks by 3e-4: they become unit
+// quaternions, as glTF demands.
+function normalizeRotations(clip) {
+  for (const track of clip.tracks) {
+    if (track.ValueTypeName !== "quaternion" || track.values.length !== 4 * track.times.length) continue;
+    for (let i = 0; i < track.values.length; i += 4)
+      new THREE.Quaternion().fromArray(track.values, i).normalize().toArray(track.values, i);
+  }
+}
+
 // The animation at a time, clamped at both ends as glTF demands.
 function pose(gltf, animation, time) {
   const clip = gltf.animations.find((clip) => clip.name === animation) ?? gltf.animations[animation];
+  normalizeRotations(clip);
   const mixer = new THREE.AnimationMixer(gltf.scene);
   const action = mixer.clipAction(clip);
   action.setLoop(THREE.LoopOnce);
