@@ -32,7 +32,8 @@ function(regulus_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
   set(target regulus_test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main ${ARG_LINK})
+  target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main fmt::fmt
+    ${ARG_LINK})
   target_compile_options(${target} PRIVATE ${REGULUS_LIGHT_OPTIMIZATION})
   regulus_precompile(${target} tests)
   target_compile_definitions(${target} PRIVATE

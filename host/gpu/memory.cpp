@@ -56,9 +56,10 @@ uint32_t DeviceState::memory_type(uint32_t allowed_types, bool host_visible) con
 void DeviceState::throw_out_of_memory(uint64_t bytes, std::string_view name) const {
   throw Error(
       ExitStatus::Failed,
-      fmt::format("device {} has no memory for buffer {}: it needs {:.1f} MiB, {:.1f} MiB are in use "
-                  "and about {:.1f} MiB are free; render a smaller image or scene, or parts of it with --crop",
-                  info().name, name, mebibytes(bytes), mebibytes(allocated_bytes), mebibytes(free_bytes())));
+      fmt::format(
+          "device {} has no memory for buffer {}: it needs {:.1f} MiB, {:.1f} MiB are in use "
+          "and about {:.1f} MiB are free; render a smaller image or scene, or parts of it with --crop",
+          info().name, name, mebibytes(bytes), mebibytes(allocated_bytes), mebibytes(free_bytes())));
 }
 
 Allocation DeviceState::allocate(uint64_t bytes, vk::BufferUsageFlags usage, bool host_visible,

@@ -17,7 +17,7 @@ using glm::dvec3;
 
 /// File of a scene of ours, by folder and name.
 inline std::string scene_path(const std::string& stem) {
-  return std::string(REGULUS_SOURCE_DIR) + "/scenes/" + stem + ".gltf";
+  return REGULUS_SOURCE_DIR "/scenes/" + stem + ".gltf";
 }
 
 /// A triangle in double precision with the name of its material.

@@ -450,11 +450,13 @@ TEST(SceneFeatures, FollowTheScene) {
       file.accessor(std::vector<float>{0, 0, 1, 0, 1, 0, 0, 0, 1}, "VEC3", FLOAT);
   scene = file.load();
   build_lights(scene);
+  // Along the edge from the second corner to the third, (-1, 1, 0), the normal turns by (0, -1, 1): they
+  // spread.
   EXPECT_EQ(find_features(scene).bits,
             interface::FEATURE_TRIANGLE_LIGHTS | interface::FEATURE_TWO_SIDED_LIGHTS |
                 interface::FEATURE_DIRECTIONAL_LIGHTS | interface::FEATURE_DELTA_SPECULAR |
                 interface::FEATURE_ABSORPTION | interface::FEATURE_MANY_LIGHTS |
-                interface::FEATURE_SMOOTH_NORMALS);
+                interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_BULGES);
 }
 
 }  // namespace
