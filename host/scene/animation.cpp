@@ -122,7 +122,7 @@ std::vector<AnimationSummary> list_animations(const Document& document) {
 size_t find_animation(const Document& document, const std::string& wanted) {
   const json& animations = animations_of(document);
   std::vector<std::string> names;
-  for (size_t i = 0; i < animations.size(); ++i) names.push_back(string_of(animations[i], "name"));
+  for (const json& animation : animations) names.push_back(string_of(animation, "name"));
   const auto named = std::find(names.begin(), names.end(), wanted);
   if (named != names.end()) return static_cast<size_t>(named - names.begin());
   for (size_t i = 0; i < names.size(); ++i)

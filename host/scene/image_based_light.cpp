@@ -39,7 +39,7 @@ struct CubeMap {
     const glm::dvec2 place = (across / size[axis] * 0.5 + 0.5) * static_cast<double>(side) - 0.5;
     const glm::dvec2 corner = glm::floor(place);
     const glm::vec2 weight(place - corner);
-    const std::vector<glm::vec3>& face = faces[static_cast<size_t>(2 * axis + (is_negative ? 1 : 0))];
+    const std::vector<glm::vec3>& face = faces[2 * static_cast<size_t>(axis) + (is_negative ? 1 : 0)];
     const auto texel = [&](int dx, int dy) {
       const auto clamped = [&](double i) {
         return static_cast<size_t>(std::clamp(i, 0.0, static_cast<double>(side) - 1));
