@@ -9,7 +9,7 @@
 
 namespace regulus {
 
-/// Exit status of the process (design.md section 6).
+/// Exit status of the process.
 enum class ExitStatus { Done = 0, Failed = 1, BadUsage = 2, BadFile = 3, NoDevice = 4, Interrupted = 130 };
 
 /// An error the user can act on. The message is one line that names the file or option, the offending

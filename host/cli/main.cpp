@@ -1,4 +1,4 @@
-// Parses the command line and turns every error into one line and an exit status (design.md section 6).
+// Parses the command line and turns every error into one line and an exit status.
 
 #include <fmt/format.h>
 

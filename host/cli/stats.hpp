@@ -16,7 +16,7 @@ struct LoadTimes {
   double load_seconds = 0, bvh_seconds = 0, pipeline_seconds = 0;
 };
 
-/// design.md section 7. samples_done is per pixel, complete ones.
+/// samples_done is per pixel, complete ones.
 nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
                                  const render::RenderSettings& settings, const render::Renderer& renderer,
                                  const LoadTimes& times);

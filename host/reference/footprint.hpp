@@ -1,6 +1,6 @@
-// Path diffusion in path tracing by its definition (math.md section 5): how wide the bundle of camera paths
-// around one has become, as a covariance of position and angle that is the same along both axes across the
-// ray.
+// Path diffusion in path tracing by its definition (docs/mathematics.md 5): how wide the bundle of camera
+// paths around one has become, as a covariance of position and angle that is the same along both axes across
+// the ray.
 #pragma once
 
 #include "reference/bsdf.hpp"

@@ -48,8 +48,8 @@ std::optional<LightPoint> light_point_at(const Surface& surface);
 std::optional<LightPoint> environment_point(const World& world, const glm::dvec3& w);
 
 /// Density with which a light walk chooses the point to start at, by selection and sample_light_point(): per
-/// square metre for triangles, per steradian for the environment, discrete for the others (pt of math.md
-/// section 1).
+/// square metre for triangles, per steradian for the environment, discrete for the others (pt of
+/// docs/mathematics.md section 1).
 double light_point_pdf(const World& world, const LightPoint& point);
 
 /// The same for next-event estimation at a surface point that is lit from the side of `w_light` (pc).
@@ -66,7 +66,7 @@ glm::dvec3 emitted(const World& world, const LightPoint& point, const glm::dvec3
 /// the scene's disk for distant lights.
 RayDensity emission_density(const World& world, const LightPoint& point, const glm::dvec3& direction);
 
-/// rho-bar of a light for sampler quality (math.md section 6): largest value of its normalized emission,
+/// rho-bar of a light for sampler quality (docs/mathematics.md 6): largest value of its normalized emission,
 /// 1/sr. Lambertian for surfaces and distant lights, uniform in the cone or sphere of the others.
 double emission_bound(const World& world, const LightPoint& point);
 

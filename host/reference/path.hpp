@@ -87,7 +87,7 @@ double pdf_from_light(const Path& path, size_t i);
 double pdf_from_camera(const Path& path, size_t i);
 
 /// What a connection or merge has at interior vertex x_i. It is regularized if some vertex between it and the
-/// camera diffuses: path diffusion with two levels (math.md 3.8 A).
+/// camera diffuses: path diffusion with two levels (docs/mathematics.md 3.8 A).
 ConnectedScattering connected_at(const Path& path, size_t i);
 
 /// f of the path as a technique measures it that connects or merges at vertices first .. last (none if first

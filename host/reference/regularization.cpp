@@ -15,8 +15,8 @@ namespace {
 
 constexpr double SHARP_ALPHA = 0.05;  // a surface with less, and without a diffuse lobe, does not diffuse
 constexpr double MIN_REGULARIZED_BEND =
-    0.02;                                  // of the indices: less bend, and no roughness blurs (math.md 2.5)
-constexpr double MIN_FACET_COSINE = 1e-4;  // math.md 2.4
+    0.02;  // of the indices: less bend, and no roughness blurs (docs/mathematics.md 2.5)
+constexpr double MIN_FACET_COSINE = 1e-4;  // docs/mathematics.md 2.4
 constexpr double DELTA_STAND_IN = 1e-6;    // alpha that stands for the limit 0: masking is off by its square
 
 /// x > 0 with f(x) = 0, for f that increases from below 0.
@@ -132,7 +132,7 @@ dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Reg
   const double alpha_tau = is_refraction(bsdf, wo, wi)
                                ? refraction_alpha(regularization, p.ndf, p.shadowing, bsdf.relative_index(wo))
                                : reflection_alpha(regularization, p.ndf, p.shadowing, c);
-  // Beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (math.md 2.3).
+  // Beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
   const double most = p.ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0;
   return glm::max(p.alpha, dvec2(std::min(alpha_tau * regularization.alpha_scale, most)));
 }

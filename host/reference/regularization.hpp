@@ -1,6 +1,6 @@
-// Microfacet regularization by its definitions (Jendersie and Grosch 2019; math.md sections 2 and 3): where a
-// path is connected or merged, a microfacet lobe is measured with alpha^ = max(alpha, alpha_tau), so wide
-// that its density stays below tau, and weights use pdfs times rho^W / rho.
+// Microfacet regularization by its definitions (Jendersie and Grosch 2019; docs/mathematics.md 2 and 3):
+// where a path is connected or merged, a microfacet lobe is measured with alpha^ = max(alpha, alpha_tau), so
+// wide that its density stays below tau, and weights use pdfs times rho^W / rho.
 #pragma once
 
 #include <optional>
@@ -25,8 +25,8 @@ struct Regularization {
 };
 
 /// Scattering between two directions as connections and merges have it: what they measure, and the pdfs of
-/// math.md 3.1, of the walk times rho^W / rho (rho^W: rho^, or with its peak blended in, 3.9). These are
-/// finite for delta lobes, whose p and rho share a delta that cancels.
+/// docs/mathematics.md 3.1, of the walk times rho^W / rho (rho^W: rho^, or with its peak blended in, 3.9).
+/// These are finite for delta lobes, whose p and rho share a delta that cancels.
 struct RaisedScattering {
   glm::dvec3 value{0};  ///< rho^(wo, wi), 1/sr, as radiance
   double pdf_wi = 0;    ///< of wi given wo
@@ -46,9 +46,9 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, co
                                       const BsdfSample* delta, const Regularization& regularization);
 
 /// What a virtual merge measures in place of the microfacet lobe's value (Kaplanyan and Dachsbacher 2013;
-/// math.md section 7): the mean of value |cos_i| over a cone around wi, over |cos_i| at wi, by tries of the
-/// lobe's own sampler at wo, each with a number in [0, 1) for its event and two for its direction. The cone
-/// has the solid angle 1 / tau, times alpha_scale^2.
+/// docs/mathematics.md 7): the mean of value |cos_i| over a cone around wi, over |cos_i| at wi, by tries of
+/// the lobe's own sampler at wo, each with a number in [0, 1) for its event and two for its direction. The
+/// cone has the solid angle 1 / tau, times alpha_scale^2.
 glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode,
                          const Regularization& regularization, const std::vector<glm::dvec3>& tries);
 
@@ -56,8 +56,8 @@ glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec
 bool raises_facets(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                    const Regularization& regularization);
 
-/// rho-bar (math.md section 2.1 with Gbar = 1, and 2.5): peak of the lobe that scatters wo to wi, with the
-/// alpha of walks, a mixture's lobes by their shares of the fully regularized value at the pair. 1/sr,
+/// rho-bar (docs/mathematics.md 2.1 with Gbar = 1, and 2.5): peak of the lobe that scatters wo to wi, with
+/// the alpha of walks, a mixture's lobes by their shares of the fully regularized value at the pair. 1/sr,
 /// between 1e-10 and 1e10. Symmetric.
 double estimator_bound(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                        const Regularization& regularization);

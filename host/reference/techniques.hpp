@@ -1,6 +1,6 @@
 // Every way in which a set of techniques can find a given path: its sample count, density and measured
-// function, and the weight that follows from them (math.md section 3: w_k = (n_k / I_k) / sum of n / I, I =
-// f_k / p_k). This is the definition that the device's recurrences are checked against.
+// function, and the weight that follows from them (docs/mathematics.md 3: w_k = (n_k / I_k) / sum of n / I, I
+// = f_k / p_k). This is the definition that the device's recurrences are checked against.
 #pragma once
 
 #include <vector>
@@ -35,9 +35,9 @@ struct Technique {
 /// A path of one edge belongs to `hit` alone, or to `splat` where there is no `hit`.
 std::vector<Technique> list_techniques(const Path& path, const TechniqueSet& set);
 
-/// q (Jendersie and Grosch 2019; math.md section 6): least bound of the estimators of the set's techniques,
-/// rho-bar rho-bar / d^2 of a connection and rho-bar / (N pi r^2) of a merge, times the path's squared
-/// length.
+/// q (Jendersie and Grosch 2019; docs/mathematics.md 6): least bound of the estimators of the set's
+/// techniques, rho-bar rho-bar / d^2 of a connection and rho-bar / (N pi r^2) of a merge, times the path's
+/// squared length.
 double sampler_quality(const Path& path, const TechniqueSet& set);
 
 /// How much of the regularized estimate a path gets, by its sampler quality: 1 all, 0 none.
@@ -47,7 +47,7 @@ double regularized_share(const Path& path, const TechniqueSet& set);
 const Technique* find_technique(const std::vector<Technique>& techniques, uint32_t kind, size_t vertex);
 
 /// Weight of one of the techniques: n p^ over the sum of all, which is n p f / f_k over the sum of all,
-/// because the product of rho^ / rho over all vertices is common to them (math.md 3.1).
+/// because the product of rho^ / rho over all vertices is common to them (docs/mathematics.md 3.1).
 double mis_weight(const std::vector<Technique>& techniques, const Technique& used);
 
 /// What a sample of the technique contributes before the weight: f_k / (n p).

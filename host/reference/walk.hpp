@@ -62,7 +62,7 @@ struct Settings {
 };
 
 /// Regularization in the iteration of a sample: with the consistent schedule alpha_tau shrinks by i^(-1/6) in
-/// iteration i = 1, 2, ... (math.md section 7).
+/// iteration i = 1, 2, ... (docs/mathematics.md 7).
 Regularization regularization_of(const Settings& settings, uint32_t sample);
 
 /// The same for a vertex where camera paths arrive with `footprint`. With light subpaths, whose vertices

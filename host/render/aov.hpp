@@ -1,4 +1,4 @@
-// AOVs as channels of an image (design.md section 7).
+// AOVs as channels of an image.
 #pragma once
 
 #include <string>

@@ -34,7 +34,8 @@ uint32_t effective_techniques(const scene::Features& features, const RenderSetti
 
 uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings) {
   if (std::isinf(settings.tau)) return REGULARIZATION_NONE;
-  // alpha_tau of math.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for refraction.
+  // alpha_tau of docs/mathematics.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for
+  // refraction.
   const float alpha = 1 / std::sqrt(std::numbers::pi_v<float> * settings.tau);
   const bool is_sharp =
       features.least_reflection_alpha < 0.5f * alpha || features.least_refraction_alpha < alpha;

@@ -1,6 +1,6 @@
 // What the stages hand to each other: path states, candidates, queues, and the frame that names the
 // address of everything. Random numbers are a function of (seed, pixel, sample, dimension), never of a
-// path's place in a queue (design.md section 5).
+// path's place in a queue.
 #ifndef REGULUS_INTERFACE_WAVEFRONT_H
 #define REGULUS_INTERFACE_WAVEFRONT_H
 
@@ -101,7 +101,7 @@ REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MAT
 REGULUS_CONSTANT FEATURE_BULGES = 1u << 27;             // some triangle's vertex normals spread: it stands for a curved surface
 REGULUS_CONSTANT FEATURE_ROUGH_BASE = 1u << 26;         // some diffuse base lies under a rough dielectric interface
 
-// Techniques (design.md section 1).
+// Techniques (docs/architecture.md).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
 REGULUS_CONSTANT TECHNIQUE_NEE = 2u;
 REGULUS_CONSTANT TECHNIQUE_SPLAT = 4u;

@@ -101,7 +101,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
   path.throughput *= next.weight;
   path.eta_scale *= next.eta_scale;
   // Survival by throughput without the eta^2 of refraction, which the way out undoes (PBR 4ed, 14.2). It is
-  // left out of the MIS pdfs: weights stay exact (math.md section 9).
+  // left out of the MIS pdfs: weights stay exact (docs/mathematics.md 9).
   float survival = path.bounce < ROULETTE_FIRST_BOUNCE
       ? 1.0
       : min(1.0, max(path.throughput.r, max(path.throughput.g, path.throughput.b)) * path.eta_scale);

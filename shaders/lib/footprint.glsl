@@ -1,4 +1,4 @@
-// Path diffusion in path tracing (math.md 5): how wide the bundle of camera paths around this one has become, by
+// Path diffusion in path tracing (docs/mathematics.md 5): how wide the bundle of camera paths around this one has become, by
 // isotropic covariance tracing. Where light subpaths meet camera subpaths only the levels of lib/regularization.glsl
 // are known from both sides; techniques `hit` and `nee` know the whole way to the camera.
 #ifndef REGULUS_LIB_FOOTPRINT_GLSL
@@ -30,7 +30,7 @@ vec3 travelled(vec3 footprint, float distance) {
   return vec3(footprint.x + distance * (2.0 * footprint.y + gain), footprint.y + gain, footprint.z);
 }
 
-// sigma~ of math.md 5: 0 sharp, 1 as wide as after a Lambert lobe. A vertex is regularized with tau / sigma~.
+// sigma~ of docs/mathematics.md 5: 0 sharp, 1 as wide as after a Lambert lobe. A vertex is regularized with tau / sigma~.
 float diffusion(vec3 footprint) { return min(2.0 * sqrt(max(footprint.z, 0.0)), 1.0); }
 
 // Reflected by a surface of mean curvature `curvature` (1/m), positive where it is convex towards the ray:

@@ -1,12 +1,12 @@
 // What sampler quality and the mixture of regularized and unregularized techniques (`both`) need to know of a path.
 //
-// Sampler quality (Jendersie and Grosch 2019; math.md 6): a path that some technique samples well needs no
+// Sampler quality (Jendersie and Grosch 2019; docs/mathematics.md 6): a path that some technique samples well needs no
 // regularization. The estimator of the technique whose edge joins vertices k and k + 1 is bounded by
 // rho-bar_k rho-bar_{k+1} / d_k^2; q is the least of them over the path, made free of scale by the path's squared length.
 // Where q < tau^2 the path counts with its unregularized value and weight, otherwise with the regularized ones. q is a
 // function of the path alone: every technique computes the same.
 //
-// both (Bouchard et al. 2013; math.md 7): every connection and merge counts twice, with and without regularization. The
+// both (Bouchard et al. 2013; docs/mathematics.md 7): every connection and merge counts twice, with and without regularization. The
 // unregularized copy of a technique enters the balance heuristic with the ratio r = rho^W / rho of its vertices.
 #ifndef REGULUS_LIB_HISTORY_GLSL
 #define REGULUS_LIB_HISTORY_GLSL

@@ -20,7 +20,7 @@ struct LightSample {
   vec3 radiance;  // incident, times the factors that make radiance / pdf an estimate of the irradiance integral
   float pdf;      // solid angle for triangles and the environment; discrete for point, spot and directional lights
   float emission_ratio;  // area pdf of the surface point when the light emits towards it, without the cosine there,
-                         // times p_trace / p_connect of the light point (math.md 3.2)
+                         // times p_trace / p_connect of the light point (docs/mathematics.md 3.2)
   bool is_delta;
   float bound;    // rho-bar of the light, see lib/history.glsl, 1/sr
 };

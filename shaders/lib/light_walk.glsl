@@ -34,7 +34,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
 }
 
-// p_connect / p_trace of the light where a light path starts (math.md 3.2), for its first vertex: how likely nee would
+// p_connect / p_trace of the light where a light path starts (docs/mathematics.md 3.2), for its first vertex: how likely nee would
 // choose that light from there. Which light it is follows from the path's random numbers.
 float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
   if (spec_light_sampling == LIGHT_SAMPLING_POWER || (spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;

@@ -1,11 +1,11 @@
-// Multiple importance sampling over any set of techniques (design.md section 1): the balance heuristic through
-// recurrences along both subpaths (Georgiev et al. 2012; math.md 3.2 with the same names). A path x_0 ... x_K
+// Multiple importance sampling over any set of techniques (docs/architecture.md): the balance heuristic through
+// recurrences along both subpaths (Georgiev et al. 2012; docs/mathematics.md 3.2 with the same names). A path x_0 ... x_K
 // runs from the light to the camera. A vertex of either subpath holds on arrival
 //   A   one over the area pdf with which the walk reached it (light vertex x_1: times p_connect / p_trace of x_0, the
 //       probabilities of choosing x_0 from x_1 by nee and for emission)
 //   B   the same over all earlier techniques, without the pdf of walking backwards from here
 // and the pdfs that enter are those of the corrected weights: multiplied by rho^/rho where a bsdf is regularized.
-// Pdfs use geometric normals; roulette is left out (math.md section 9).
+// Pdfs use geometric normals; roulette is left out (docs/mathematics.md 9).
 #ifndef REGULUS_LIB_MIS_GLSL
 #define REGULUS_LIB_MIS_GLSL
 

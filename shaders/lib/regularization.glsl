@@ -1,7 +1,7 @@
 // Microfacet regularization (Jendersie and Grosch 2019): where a path is connected or merged, a microfacet lobe is
 // evaluated with alpha^ = max(alpha, alpha_tau), alpha_tau so wide that the lobe's density stays below tau. Random
 // walks keep alpha. The weights then use pdfs times rho^W / rho, with rho^W the regularized value (corrected) or the
-// same with its peak blended in (blended, math.md 3.9), in closed forms that exist for delta lobes too (3.4).
+// same with its peak blended in (blended, docs/mathematics.md 3.9), in closed forms that exist for delta lobes too (3.4).
 #ifndef REGULUS_LIB_REGULARIZATION_GLSL
 #define REGULUS_LIB_REGULARIZATION_GLSL
 
@@ -18,7 +18,7 @@ struct Regularization {
 
 // Path diffusion (--diffusion off: every vertex is regularized fully). What the camera sees directly, or through
 // surfaces that are all sharp, stays sharp: mirrors, highlights and what is seen through glass. Path tracing follows the
-// width of the bundle of paths (lib/footprint.glsl). With light subpaths there are two levels (math.md 3.8 A): a vertex
+// width of the bundle of paths (lib/footprint.glsl). With light subpaths there are two levels (docs/mathematics.md 3.8 A): a vertex
 // is regularized if some vertex between it and the camera diffuses. That is a function of the path; light subpaths, which
 // cannot know it, keep their accumulators for both cases.
 const float SHARP_ALPHA = 0.05;
@@ -63,11 +63,11 @@ Regularization full(Regularization regularization) {
   return regularization;
 }
 
-// Interfaces whose indices differ by less than this share hardly bend light: no roughness blurs them (math.md 2.5),
+// Interfaces whose indices differ by less than this share hardly bend light: no roughness blurs them (docs/mathematics.md 2.5),
 // so their transmission is not regularized.
 const float MIN_REGULARIZED_BEND = 0.02;
 
-// alpha_tau of a reflection lobe whose facet the directions meet at cosine c (math.md 2.2; directional: 2.4).
+// alpha_tau of a reflection lobe whose facet the directions meet at cosine c (docs/mathematics.md 2.2; directional: 2.4).
 float reflection_alpha(float tau, float c) {
   if (spec_bound == BOUND_PEAK || (spec_bound == BOUND_SMITH && spec_shadowing == SHADOWING_V_CAVITY))
     return 0.5 * inversesqrt(PI * tau);
@@ -107,7 +107,7 @@ float refraction_alpha(Bsdf bsdf, float tau) {
   return sqrt(e * INV_PI / tau);
 }
 
-// Largest alpha a lobe is raised to: beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (math.md 2.3).
+// Largest alpha a lobe is raised to: beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
 float largest_alpha() { return spec_ndf == NDF_BECKMANN ? 0.70710678 : 1.0; }
 
 vec2 regularized_alpha(Bsdf bsdf, Encounter facet, Regularization regularization) {
@@ -117,7 +117,7 @@ vec2 regularized_alpha(Bsdf bsdf, Encounter facet, Regularization regularization
   return max(bsdf.alpha, vec2(min(alpha_tau * regularization.alpha_scale, largest_alpha())));
 }
 
-// The clearcoat's lobe, raised by a bound of its own (math.md 2.5): value, and value as the weights use it.
+// The clearcoat's lobe, raised by a bound of its own (docs/mathematics.md 2.5): value, and value as the weights use it.
 struct RaisedCoat {
   float value;
   float value_in_weights;
@@ -169,7 +169,7 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
   RegularizedLobes result;
   result.value = lobes.diffuse + lobes.weight * (density * raised.shadowing * lobes.value_scale);
 
-  // Values in luminance and without the eta^2 of radiance: r must not depend on the technique (math.md 3.6).
+  // Values in luminance and without the eta^2 of radiance: r must not depend on the technique (docs/mathematics.md 3.6).
   float diffuse = dot(lobes.diffuse, LUMINANCE);
   float weight = dot(lobes.weight, LUMINANCE);
   float value = diffuse + weight * lobes.density * lobes.terms.shadowing;

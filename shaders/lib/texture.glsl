@@ -1,6 +1,6 @@
 // Textures as plain memory (see interface/scene.h): wrap, bilinear filter, and the material values at a
 // point. Level 0 only: a footprint would depend on the direction of the walk, and with it the measured
-// function (math.md section 9).
+// function (docs/mathematics.md 9).
 #ifndef REGULUS_LIB_TEXTURE_GLSL
 #define REGULUS_LIB_TEXTURE_GLSL
 

@@ -85,7 +85,7 @@ TEST_F(Render, SameCommandTwiceGivesTheSamePixels) {
   EXPECT_EQ(image::read_exr(exr()).rgb, image::read_exr(again).rgb);
 }
 
-// design.md section 7.
+// What a render records.
 TEST_F(Render, StatisticsHaveTheirKeys) {
   const Finished finished = run(
       {"render", gltf(), "-o", exr(), "--size", "12x8", "-s", "4", "--max-depth", "3", "--stats", stats()});

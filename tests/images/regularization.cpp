@@ -59,9 +59,9 @@ class Mirrors : public Regularization {
   double expected_ = 0;
 };
 
-// math.md 8 (c) found 0.96 to 0.99 at alpha^ = 0.1 for each technique alone; chains of up to ten mirrors lose
-// a little more. The statistical error of a run is about 0.7 % (its spread over seeds), of which five are
-// allowed.
+// docs/mathematics.md 8 (c) found 0.96 to 0.99 at alpha^ = 0.1 for each technique alone; chains of up to ten
+// mirrors lose a little more. The statistical error of a run is about 0.7 % (its spread over seeds), of which
+// five are allowed.
 TEST_F(Mirrors, LightSamplingAloneFindsAllChains) {
   const double wide = energy(TECHNIQUE_NEE, MIS_BLENDED, 0.1, 2048);
   const double five_errors = is_slow_device() ? 0.055 : 0.0275;
@@ -70,7 +70,8 @@ TEST_F(Mirrors, LightSamplingAloneFindsAllChains) {
 }
 
 // All connections together (the spread over five seeds was 0.6 %): blended weights keep the energy, corrected
-// ones exceed it, unmodified ones count every chain as often as there are techniques (math.md 3.9).
+// ones exceed it, unmodified ones count every chain as often as there are techniques
+// (docs/mathematics.md 3.9).
 TEST_F(Mirrors, BlendedWeightsKeepTheEnergyOfAllConnections) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   const double blended = energy(BPT, MIS_BLENDED, 0.1);
@@ -167,8 +168,9 @@ TEST_F(Regularization, ConsistentModeApproachesTheTruth) {
 
 // Sampler quality and `both` mix two complete estimates by what is a function of the path alone. If a
 // technique computed another quality than its competitors, light would be lost or counted twice. Where
-// regularization changes values they keep the bounds of blended weights (math.md 3.9: 0.97 to 1.067 at one
-// vertex; what raised roughness loses comes on top, a few percent of the part that is raised).
+// regularization changes values they keep the bounds of blended weights (docs/mathematics.md 3.9: 0.97
+// to 1.067 at one vertex; what raised roughness loses comes on top, a few percent of the part that is
+// raised).
 TEST_F(Regularization, MixturesKeepTheEnergyOfAGlossyRoom) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   GltfScene scene = room(plastic({0.4, 0.4, 0.6}, 0.2), metal({0.9, 0.7, 0.4}, 0), glass(1.5, 0));

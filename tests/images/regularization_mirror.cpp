@@ -71,8 +71,8 @@ class PointLight : public OneMirror {
   double direct_ = 0, reflected_ = 0;  // radiance of the receiver
 };
 
-// math.md 8 (e), (f): E / exact and variance alpha^2 as a program without any renderer found them by 8e6
-// samples of the same estimator (mathcheck/one_mirror.out). Five standard errors of 524,288 samples.
+// docs/mathematics.md 8 (e), (f): E / exact and variance alpha^2 as a program without any renderer found them
+// by 8e6 samples of the same estimator (mathcheck/one_mirror.out). Five standard errors of 524,288 samples.
 TEST_F(PointLight, BiasFallsAndVarianceRisesWithTheBandwidth) {
   struct Known {
     double alpha, energy, variance;
@@ -125,7 +125,8 @@ TEST_F(PointLight, TheErrorOfConsistentModeFalls) {
 
 // A disk of light over a mirror, seen by parallel rays that start below it: hits by the walk and light
 // sampling at the raised mirror both find it. By how much the two together exceed the truth hangs on the
-// weights alone (math.md 3.9: the closed form of the corrected ones; the radius is that of their maximum).
+// weights alone (docs/mathematics.md 3.9: the closed form of the corrected ones; the radius is that of their
+// maximum).
 TEST_F(OneMirror, WeightsDecideWhatTwoSamplersOfADiskGiveTogether) {
   constexpr double ALPHA = 0.025, HEIGHT = 1, RADIUS = 3.65 * ALPHA * HEIGHT, HALF = 1;
   GltfScene scene;

@@ -32,7 +32,7 @@ render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t m
 /// All AOVs of what camera rays meet first.
 image::Channels surface_channels(const PreparedScene& prepared, render::RenderSettings settings);
 
-/// Bound on a lobe's density, 1/sr, that raises mirrors to this alpha (math.md 2.2, BOUND_PEAK).
+/// Bound on a lobe's density, 1/sr, that raises mirrors to this alpha (docs/mathematics.md 2.2, BOUND_PEAK).
 float tau_of_mirrors(double alpha);
 
 /// Images of `count` renders that differ in their seed alone: base_seed() + 1000 stream + 0, 1, ...
