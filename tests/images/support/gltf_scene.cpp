@@ -276,8 +276,8 @@ void GltfScene::add_directional_light(const glm::dvec3& direction, double illumi
 }
 
 void GltfScene::set_perspective(const glm::dmat4& camera_to_world, double y_fov) {
-  gltf_["cameras"] = json::array(
-      {{{"type", "perspective"}, {"perspective", {{"yfov", y_fov}, {"znear", 0.001}, {"aspectRatio", 1}}}}});
+  gltf_["cameras"] =
+      json::array({{{"type", "perspective"}, {"perspective", {{"yfov", y_fov}, {"znear", 0.001}}}}});
   gltf_["nodes"].push_back({{"camera", 0}, {"matrix", to_json(camera_to_world)}});
 }
 
