@@ -36,6 +36,7 @@ TEST_F(FilmRange, RoomsOfAnyBrightnessAreTheSameRoom) {
   settings.techniques = is_slow_device() ? TECHNIQUE_HIT | TECHNIQUE_NEE
                                          : TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT |
                                                TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+  settings.merge_radius = 0.05f;
   settings.aovs = render::AOV_VARIANCE;
   const PreparedScene ordinary = room(1);
   EXPECT_EQ(ordinary.scene.film_exponents.radiance, 0);

@@ -59,6 +59,7 @@ TEST_F(Scale, GeocentricCoordinatesRenderAsAtTheOrigin) {
   render::RenderSettings settings = box_filtered(SIZE, SIZE, 2, 6);
   settings.techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT |
                         interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+  settings.merge_radius = 0.05f;
   const PreparedScene near = prepare(still_life(scaling(1)));
   const Rendered wanted = render(near, settings);
   for (const glm::dvec3& place : {glm::dvec3(-3761604, 4105280, 3870316), glm::dvec3(4e9, 0, -4e9)}) {

@@ -277,14 +277,14 @@ void GltfScene::add_directional_light(const glm::dvec3& direction, double illumi
 
 void GltfScene::set_perspective(const glm::dmat4& camera_to_world, double y_fov) {
   gltf_["cameras"] =
-      json::array({{{"type", "perspective"}, {"perspective", {{"yfov", y_fov}, {"znear", 0.001}}}}});
+      json::array({{{"type", "perspective"}, {"perspective", {{"yfov", y_fov}, {"znear", 1e-7}}}}});
   gltf_["nodes"].push_back({{"camera", 0}, {"matrix", to_json(camera_to_world)}});
 }
 
 void GltfScene::set_orthographic(const glm::dmat4& camera_to_world, double half_width, double half_height) {
   gltf_["cameras"] = json::array(
       {{{"type", "orthographic"},
-        {"orthographic", {{"xmag", half_width}, {"ymag", half_height}, {"znear", 0.001}, {"zfar", 1e6}}}}});
+        {"orthographic", {{"xmag", half_width}, {"ymag", half_height}, {"znear", 1e-7}, {"zfar", 1e6}}}}});
   gltf_["nodes"].push_back({{"camera", 0}, {"matrix", to_json(camera_to_world)}});
 }
 
