@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <functional>
-#include <glm/gtc/packing.hpp>
 #include <numbers>
 
 #include "images/support/comparison.hpp"
@@ -103,10 +102,7 @@ struct NormalMapped {
   }
   dvec3 normal() const {
     dvec3 n;
-    for (int i = 0; i < 3; ++i) {
-      const float stored = glm::unpackHalf1x16(glm::packHalf1x16(static_cast<float>(codes[i] / 255)));
-      n[i] = (2.0 * stored - 1) * (i < 2 ? scale : 1);
-    }
+    for (int i = 0; i < 3; ++i) n[i] = (2 * codes[i] / 255 - 1) * (i < 2 ? scale : 1);
     return glm::normalize(n);
   }
 };

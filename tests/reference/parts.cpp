@@ -7,6 +7,7 @@
 #include "reference/estimator.hpp"
 #include "reference/quadrature.hpp"
 #include "reference/support/reference_images.hpp"
+#include "scene/scene.hpp"
 #include "support/chi_square.hpp"
 #include "support/random.hpp"
 
@@ -29,6 +30,7 @@ interface::Camera device_camera(uint32_t kind, float lens_radius) {
   camera.up = 0.6f * glm::cross(right, camera.forward);
   camera.lens_radius = lens_radius;
   camera.focus_distance = 2.5f;
+  camera.z_far = scene::NO_FAR_PLANE;
   return camera;
 }
 
