@@ -62,7 +62,9 @@ TEST_F(FilmRange, RoomsOfAnyBrightnessAreTheSameRoom) {
                 worst_variance);
     EXPECT_LE(worst, 300 * unit + 0x1p-23);
     // Beyond, variances are not floats any more.
-    if (std::abs(exponent) <= 54) EXPECT_LE(worst_variance, 1e-5);
+    if (std::abs(exponent) <= 54) {
+      EXPECT_LE(worst_variance, 1e-5);
+    }
     for (const render::FilmLayer& layer : render::FILM_LAYERS)
       EXPECT_EQ(render::count_saturated(found.film.*layer.words), 0u) << layer.name;
   }
@@ -80,7 +82,9 @@ TEST_F(FilmRange, LampsShowTheirRadiance) {
     const image::Image variance = resolve_variance(found.film);
     for (size_t i = 0; i < found.image.rgb.size(); ++i) {
       EXPECT_NEAR(found.image.rgb[i] / radiance, 1, 2e-7) << radiance;
-      if (radiance < 1e18) EXPECT_LT(variance.rgb[i] / (radiance * radiance), 1e-6) << radiance;
+      if (radiance < 1e18) {
+        EXPECT_LT(variance.rgb[i] / (radiance * radiance), 1e-6) << radiance;
+      }
     }
   }
 }
@@ -94,16 +98,20 @@ TEST_F(FilmRange, SumsThatAreTooLargeAreCountedAndSoAreTheirSquares) {
   const Rendered right = render(prepared, settings);
   prepared.scene.film_exponents = {};
   const Rendered found = render(prepared, settings);
-  size_t saturated = 0;
+  size_t saturated = 0, exactly_full = 0;  // the latter saturate by a rounding or not
   for (size_t i = 0; i < right.image.rgb.size(); ++i) {
     const double sum = 5 * double{right.image.rgb[i]};
-    if (std::abs(sum / 0x1p55 - 1) < 1e-6) continue;
+    if (std::abs(sum / 0x1p55 - 1) < 1e-6) {
+      ++exactly_full;
+      continue;
+    }
     const double seen = 5 * double{found.image.rgb[i]};
     EXPECT_NEAR(seen, std::min(sum, 0x1p55), 1e-6 * std::min(sum, 0x1p55)) << i;
     saturated += sum > 0x1p55 ? 1 : 0;
   }
   EXPECT_GT(saturated, 0u);
-  EXPECT_EQ(render::count_saturated(found.film.words), saturated);
+  EXPECT_GE(render::count_saturated(found.film.words), saturated);
+  EXPECT_LE(render::count_saturated(found.film.words), saturated + exactly_full);
   EXPECT_GE(render::count_saturated(found.film.square_words), saturated);
   EXPECT_TRUE(std::ranges::any_of(resolve_variance(found.film).rgb, [](float v) { return std::isinf(v); }));
 }
