@@ -60,7 +60,8 @@ TEST(Inspect, CountsWhatTheFileHolds) {
   EXPECT_EQ(scene["bytes"]["total"], total);
   EXPECT_GE(scene["bytes"]["geometry"].get<uint64_t>(), triangles * 24);  // three indices at the least
   EXPECT_EQ(names(scene["features"]["present"]),
-            (std::set<std::string>{"triangle_lights", "delta_specular", "many_lights", "smooth_normals"}));
+            (std::set<std::string>{"bulges", "triangle_lights", "delta_specular", "many_lights",
+                                   "smooth_normals"}));
   EXPECT_TRUE(scene["features"]["absent"].contains("textures"));
   EXPECT_EQ(scene["regularization"]["used"], true);
 }
