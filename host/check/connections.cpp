@@ -321,10 +321,14 @@ class ConnectionChecker {
     std::vector<dvec3> expected(recording_.splat_film.size(), dvec3(0));
     std::vector<double> rounding(expected.size(), 0);
     const reference::Filter& filter = settings_.filter;
-    for (const SplatCandidate& splat : recording_.splats) {
+    for (size_t i = 0; i < recording_.splats.size(); ++i) {
+      const SplatCandidate& splat = recording_.splats[i];
       const VisibilityCandidate& segment = splat.segment;
       const reference::Ray ray{dvec3(segment.origin), normalize(dvec3(segment.direction)), 0, segment.t_max};
-      if (subject_.world.traversal().is_occluded(ray)) continue;
+      reference::Place place;
+      if (!recording_.splat_media.empty())
+        place = {reference::Media(recording_.splat_media[i].around), recording_.splat_media[i].triangle};
+      if (subject_.world.meet(ray, place)) continue;
       const dvec2 film(splat.film);
       const auto reach = static_cast<int>(std::ceil(filter.radius)) + 1;
       const glm::ivec2 at(glm::floor(film));
