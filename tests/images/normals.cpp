@@ -129,7 +129,8 @@ TEST_F(Normals, TheTerminatorOfACoarseBallIsSmooth) {
   for (const image::Image& image : images) {
     size_t seen = 0, off = 0, dark = 0;
     for (size_t i = 0; i < 64 * 64; ++i) {
-      const dvec3 origin(HALF * (2 * (i % 64 + 0.5) / 64 - 1), HALF * (1 - 2 * (i / 64 + 0.5) / 64), 5);
+      const double x = static_cast<double>(i % 64) + 0.5, y = static_cast<double>(i / 64) + 0.5;
+      const dvec3 origin(HALF * (2 * x / 64 - 1), HALF * (1 - 2 * y / 64), 5);
       const auto hit = world.traversal().closest({origin, {0, 0, -1}});
       if (!hit) continue;
       const dvec3 normal = world.surface_at(hit->triangle, hit->barycentrics).shading_normal;
