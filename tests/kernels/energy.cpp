@@ -7,14 +7,10 @@
 #include <cmath>
 #include <cstdio>
 
-#include "energy_case.h"
+#include "energy_albedo.hpp"
 #include "reference/bsdf.hpp"
 #include "render/energy_tables.hpp"
 #include "support/device.hpp"
-
-namespace regulus::test_kernels {
-std::span<const uint32_t> spirv(std::string_view name);
-}
 
 namespace regulus::test {
 namespace {
@@ -47,8 +43,8 @@ Material white_material() {
 }
 
 // Albedos of a material at all of ROUGHNESS (outer) and COSINES.
-std::vector<glm::vec3> albedos(const Model& model, Material material, bool is_front,
-                               bool is_compensated = true) {
+std::vector<glm::dvec3> albedos(const Model& model, Material material, bool is_front,
+                                bool is_compensated = true) {
   render::RenderSettings settings;
   settings.ndf = model.ndf;
   settings.shadowing = model.shadowing;
@@ -60,17 +56,15 @@ std::vector<glm::vec3> albedos(const Model& model, Material material, bool is_fr
       material.roughness = roughness;
       cases.push_back({material, device_address(tables.address()), cosine, is_front ? 1u : 0u});
     }
-  const gpu::Kernel kernel = create_batch_kernel(test_kernels::spirv, "energy_albedo",
-                                                 {{SPEC_NDF, model.ndf},
-                                                  {SPEC_SHADOWING, model.shadowing},
-                                                  {SPEC_ENERGY_COMPENSATION, is_compensated ? 1u : 0u}});
-  return map_on_device<glm::vec3>(kernel, cases, 1, SAMPLES);
+  return energy_albedos(cases, SAMPLES,
+                        {{SPEC_NDF, model.ndf},
+                         {SPEC_SHADOWING, model.shadowing},
+                         {SPEC_ENERGY_COMPENSATION, is_compensated ? 1u : 0u}});
 }
 
 // The bound is the one that was set, 1 percent; of it 0.2 are for the sequence of samples.
 TEST(EnergyCompensation, WhiteSurfacesReflectAndTransmitEverything) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
   Material metal = white_material(), plastic = metal, glass = metal, pane = metal;
   metal.metallic = 1;
   glass.transmission = pane.transmission = 1;
@@ -87,7 +81,7 @@ TEST(EnergyCompensation, WhiteSurfacesReflectAndTransmitEverything) {
   for (const Model& model : MODELS)
     for (const auto& kind : kinds) {
       double worst = 0, at_roughness = 0, at_cosine = 0;
-      const std::vector<glm::vec3> all = albedos(model, kind.material, kind.is_front);
+      const std::vector<glm::dvec3> all = albedos(model, kind.material, kind.is_front);
       for (size_t i = 0; i < all.size(); ++i) {
         const double error = std::abs(all[i].g - 1.0);
         if (error <= worst) continue;
@@ -100,9 +94,9 @@ TEST(EnergyCompensation, WhiteSurfacesReflectAndTransmitEverything) {
       EXPECT_LT(worst, 0.01) << model.name << ", " << kind.name;
     }
   // Without compensation a third of the light is left at worst.
-  const std::vector<glm::vec3> plain = albedos(MODELS[0], metal, true, false);
-  const auto is_darker = [](const glm::vec3& a, const glm::vec3& b) { return a.g < b.g; };
-  EXPECT_LT(std::min_element(plain.begin(), plain.end(), is_darker)->g, 0.4f);
+  const std::vector<glm::dvec3> plain = albedos(MODELS[0], metal, true, false);
+  const auto is_darker = [](const glm::dvec3& a, const glm::dvec3& b) { return a.g < b.g; };
+  EXPECT_LT(std::min_element(plain.begin(), plain.end(), is_darker)->g, 0.4);
 }
 
 // What single scattering at a metal reflects of even light, by the scalar reference.
@@ -131,13 +125,12 @@ double single_scattering(const Model& model, double base, double alpha, double c
 // and Conty 2017), with the mean F of all directions, relative to E F.
 TEST(EnergyCompensation, MetalsHaveTheColourOfTheirBounces) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
   constexpr double BASE = 0.4;
   Material material = white_material();
   material.metallic = 1;
   material.base_color = vec3(static_cast<float>(BASE));
   for (const Model& model : {MODELS[0], MODELS[4]}) {
-    const std::vector<glm::vec3> measured = albedos(model, material, true);
+    const std::vector<glm::dvec3> measured = albedos(model, material, true);
     for (const size_t r : {5u, 7u, 9u}) {
       const double alpha = double{ROUGHNESS[r]} * ROUGHNESS[r], fresnel = BASE + (1 - BASE) / 21;
       double mean = 0;  // 2 int E cos dcos

@@ -8,15 +8,12 @@
 #include <cstdio>
 #include <numbers>
 
-#include "energy_case.h"
+#include "energy_albedo.hpp"
 #include "interface/energy.h"
 #include "kernels/bsdf_cases.hpp"
 #include "render/energy_tables.hpp"
 #include "support/device.hpp"
 
-namespace regulus::test_kernels {
-std::span<const uint32_t> spirv(std::string_view name);
-}
 
 namespace regulus::test {
 namespace {
@@ -58,10 +55,8 @@ std::vector<double> on_device(Material material, bool is_front, const std::vecto
       cases.push_back(
           {material, device_address(tables.address()), static_cast<float>(cosine), is_front ? 1u : 0u});
     }
-  const gpu::Kernel kernel =
-      create_batch_kernel(test_kernels::spirv, "energy_albedo", {{SPEC_ENERGY_COMPENSATION, 0u}});
   std::vector<double> greens;
-  for (const glm::vec3& albedo : map_on_device<glm::vec3>(kernel, cases, 1, SAMPLES))
+  for (const glm::dvec3& albedo : energy_albedos(cases, SAMPLES, {{SPEC_ENERGY_COMPENSATION, 0u}}))
     greens.push_back(albedo.g);
   return greens;
 }
