@@ -14,7 +14,6 @@
 #include "render/energy_tables.hpp"
 #include "support/device.hpp"
 
-
 namespace regulus::test {
 namespace {
 
