@@ -87,7 +87,7 @@ Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& 
   return trial;
 }
 
-// Means over the trials at each doubling of the samples that all of them reached, and at the end.
+// Means over the trials at each state of the film that all of them reached, and at the end.
 std::vector<ErrorPoint> mean_curve(const std::vector<Trial>& trials) {
   std::vector<ErrorPoint> curve;
   size_t shortest = trials.front().points.size();

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <string_view>
 
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "page_html.hpp"
 
@@ -95,14 +94,14 @@ nlohmann::json report_json(const Report& report) {
           {"sections", sections}};
 }
 
-void write_page(const std::filesystem::path& file, const Report& report) {
+std::string page_of(const Report& report) {
   nlohmann::json json = report_json(report);
   for (size_t i = 0; i < report.sections.size(); ++i) add_pictures(json["sections"][i], report.sections[i]);
   constexpr std::string_view MARK = "\"REPORT\"";
   std::string page = PAGE_HTML;
   page.replace(page.find(MARK), MARK.size(),
                script_safe(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
-  image::write_file_atomically(file, page);
+  return page;
 }
 
 }  // namespace regulus::bench

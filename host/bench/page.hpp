@@ -1,7 +1,6 @@
 // The report of an error benchmark: JSON, and one HTML page that needs nothing beside it.
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -30,7 +29,7 @@ struct Report {
 /// Everything but the pictures.
 nlohmann::json report_json(const Report& report);
 
-/// Writes the page. @throws regulus::Error (Failed) naming the file
-void write_page(const std::filesystem::path& file, const Report& report);
+/// The page, as HTML.
+std::string page_of(const Report& report);
 
 }  // namespace regulus::bench

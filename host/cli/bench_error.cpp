@@ -1,6 +1,7 @@
 #include "cli/bench_error.hpp"
 
 #include <fmt/format.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <charconv>
@@ -21,7 +22,6 @@
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 
 namespace regulus::cli {
@@ -150,7 +150,7 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
 }
 
 // What can be known to be wrong before anything is rendered.
-void require_valid(const BenchComparison& comparison, const BenchErrorOptions& options) {
+void require_valid(const BenchComparison& comparison, const BenchErrorOptions& options, OutputGuard& guard) {
   const fs::path file = reference_file(comparison.scene, options.references);
   if (!fs::exists(file))
     throw Error(ExitStatus::BadFile,
@@ -159,16 +159,26 @@ void require_valid(const BenchComparison& comparison, const BenchErrorOptions& o
   for (const BenchConfig& config : comparison.configs) {
     require_render_options(config.options, comparison.scene);
   }
-  OutputGuard guard;
   guard.add_scene(comparison.scene);
   guard.add_input(file, "a reference");
-  if (!options.json.empty()) guard.add_output("--json", options.json);
-  if (!options.html.empty()) guard.add_output("--html", options.html);
+}
+
+// JSON and page, as far as they are asked for.
+OutputWriter write_report(const BenchErrorOptions& options, const bench::Report& report) {
+  OutputWriter writer;
+  if (!options.json.empty())
+    writer.write(options.json, [&] { return bench::report_json(report).dump(2) + "\n"; });
+  if (!options.html.empty()) writer.write(options.html, [&] { return bench::page_of(report); });
+  return writer;
 }
 
 void run_comparisons(const std::string& title, const std::vector<BenchComparison>& comparisons,
                      BenchErrorOptions& options) {
-  for (const BenchComparison& comparison : comparisons) require_valid(comparison, options);
+  OutputGuard guard;
+  if (!options.json.empty()) guard.add_output("--json", options.json);
+  if (!options.html.empty()) guard.add_output("--html", options.html);
+  for (const BenchComparison& comparison : comparisons) require_valid(comparison, options, guard);
+  guard.require_places();
   catch_interrupts();
   options.budget.is_interrupted = is_interrupted;
   gpu::Device device({.select = options.device, .software_stage_times = false});
@@ -188,9 +198,9 @@ void run_comparisons(const std::string& title, const std::vector<BenchComparison
   for (const BenchComparison& comparison : comparisons) {
     report.sections.push_back(measure_section(device, comparison, options));
     // After each scene, so that an interrupted run leaves what it measured.
-    if (!options.json.empty())
-      image::write_file_atomically(options.json, bench::report_json(report).dump(2) + "\n");
-    if (!options.html.empty()) bench::write_page(options.html, report);
+    const OutputWriter writer = write_report(options, report);
+    if (report.sections.size() == comparisons.size()) writer.throw_failures();
+    if (writer.has_failed()) spdlog::warn("{}; it goes on", writer.failures());
   }
 }
 
@@ -212,7 +222,7 @@ void run_bench_reference(BenchReferenceOptions& options) {
   OutputGuard guard;
   guard.add_scene(options.scene);
   guard.add_output("--output", file);
-  image::require_writable(file);
+  guard.require_places();
   const ResolvedOptions render =
       resolve_render_options(options.options, options.size, loaded.scene, loaded.bvh);
   gpu::Device device({.select = options.device, .software_stage_times = false});

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <chrono>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <span>
@@ -15,6 +14,8 @@
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
 #include "cli/bench_skip.hpp"
+#include "cli/output_guard.hpp"
+#include "cli/output_writer.hpp"
 #include "cli/standard_streams.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
@@ -154,7 +155,7 @@ void print_row(const Measurement& m) {
   flush_stdout();
 }
 
-void write_json(const std::filesystem::path& path, const std::vector<Measurement>& measurements) {
+std::string json_of(const std::vector<Measurement>& measurements) {
   nlohmann::json array = nlohmann::json::array();
   for (const Measurement& m : measurements)
     array.push_back({{"scene", m.scene},
@@ -163,16 +164,16 @@ void write_json(const std::filesystem::path& path, const std::vector<Measurement
                      {"mrays_per_s", m.mrays_per_s},
                      {"embree_mrays_per_s", m.embree_mrays_per_s},
                      {"ratio", m.ratio()}});
-  std::ofstream file(path);
-  file << array.dump(2) << '\n';
-  if (!file.flush())
-    throw Error(ExitStatus::Failed,
-                fmt::format("{}: cannot be written; choose another --json", path.string()));
+  return array.dump(2) + "\n";
 }
 
 }  // namespace
 
 int run_bench_kernels(const BenchKernelsOptions& options) {
+  OutputGuard guard;
+  if (!options.json.empty()) guard.add_output("--json", options.json);
+  for (const std::filesystem::path& path : options.scenes) guard.add_scene(path);
+  guard.require_places();
   gpu::DeviceOptions device_options;
   device_options.select = options.device;
   gpu::Device device(device_options);
@@ -189,7 +190,9 @@ int run_bench_kernels(const BenchKernelsOptions& options) {
       measurements.push_back(measurement);
     }
   }
-  if (!options.json.empty()) write_json(options.json, measurements);
+  OutputWriter writer;
+  if (!options.json.empty()) writer.write(options.json, [&] { return json_of(measurements); });
+  writer.throw_failures();
   return 0;
 }
 

@@ -27,6 +27,7 @@ void parse_render_options(const std::string& text, const std::string& scene_file
   } catch (const CLI::ParseError& error) {
     throw Error(ExitStatus::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
   }
+  require_no_outputs(options, fmt::format("options \"{}\": a benchmark", text));
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 #include "cli/bench_options.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/output_guard.hpp"
+#include "cli/output_writer.hpp"
 #include "cli/standard_streams.hpp"
-#include "image/atomic_file.hpp"
 
 namespace regulus::cli {
 namespace {
@@ -44,6 +44,7 @@ void run_bench_skip(BenchSkipOptions& options) {
   OutputGuard guard;
   guard.add_scene(options.scene);
   if (!options.json.empty()) guard.add_output("--json", options.json);
+  guard.require_places();
   scene::Scene prepared = scene;
   const bvh::Bvh bvh = bvh::build_for_scene(prepared);
   const ResolvedOptions render = resolve_render_options(options.options, options.size, prepared, bvh);
@@ -62,7 +63,9 @@ void run_bench_skip(BenchSkipOptions& options) {
   for (const bench::SkippedFeature& feature : report.features)
     say("{:<20} {:>7.3f}x {:>7.3f}..{:<7.3f} {:>+12} {:>14}\n", feature.name, feature.time_ratio,
         feature.least_ratio, feature.greatest_ratio, feature.bytes, feature.bytes_per_path);
-  if (!options.json.empty()) image::write_file_atomically(options.json, json_of(report).dump(2) + "\n");
+  OutputWriter writer;
+  if (!options.json.empty()) writer.write(options.json, [&] { return json_of(report).dump(2) + "\n"; });
+  writer.throw_failures();
 }
 
 }  // namespace

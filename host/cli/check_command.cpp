@@ -180,6 +180,7 @@ bool check_images(gpu::Device& device, const check::Subject& subject, const Chec
 }
 
 void run_check(CLI::App& command, CheckOptions& options) {
+  require_no_outputs(options.render, "check");
   if (options.render.size.empty() && options.path.empty()) options.render.size = DEFAULT_SIZE;
   scene::Scene scene = scene::load(options.render.scene_file, load_options(options.render));
   apply_scene_settings(command, scene);

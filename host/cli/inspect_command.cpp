@@ -15,9 +15,9 @@
 #include "cli/commands.hpp"
 #include "cli/merge_radius.hpp"
 #include "cli/output_guard.hpp"
+#include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
-#include "image/atomic_file.hpp"
 #include "render/device_images.hpp"
 #include "render/stages.hpp"
 #include "scene/placement.hpp"
@@ -307,10 +307,12 @@ void add_inspect_command(CLI::App& app) {
     OutputGuard guard;
     guard.add_scene(options->scene_file);
     if (!options->json.empty()) guard.add_output("--json", options->json);
+    OutputWriter writer;
     if (!options->json.empty())
-      image::write_file_atomically(options->json,
-                                   scene.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+      writer.write(options->json,
+                   [&] { return scene.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; });
     print(printable(scene));
+    writer.throw_failures();
   });
 }
 

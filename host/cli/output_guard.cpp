@@ -18,6 +18,21 @@ namespace {
                                                 option, file.string(), what));
 }
 
+void require_place(const std::string& option, const fs::path& file) {
+  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
+                                                file.string(), folder.string()));
+  if (fs::is_directory(file, error))
+    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
+  try {
+    image::require_writable(file);
+  } catch (const Error& problem) {
+    throw Error(problem.status(), fmt::format("{} {}", option, problem.what()));
+  }
+}
+
 }  // namespace
 
 OutputGuard::Identity OutputGuard::identify(const fs::path& file) {
@@ -49,6 +64,7 @@ void OutputGuard::add_scene(const fs::path& scene_file) {
 }
 
 void OutputGuard::add_output(const std::string& option, const fs::path& file) {
+  unchecked_.push_back({option, file});
   if (image::is_device_or_pipe(file)) return;
   const Identity identity = identify(file);
   const auto input = inputs_.find(identity);
@@ -57,6 +73,11 @@ void OutputGuard::add_output(const std::string& option, const fs::path& file) {
   if (!is_new)
     throw Error(ExitStatus::BadUsage, fmt::format("{} {}: is the file of {} as well; name another one",
                                                   option, file.string(), output->second.option));
+}
+
+void OutputGuard::require_places() {
+  for (const Output& output : unchecked_) require_place(output.option, output.file);
+  unchecked_.clear();
 }
 
 }  // namespace regulus::cli

@@ -7,6 +7,7 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <vector>
 
 namespace regulus::cli {
 
@@ -26,6 +27,11 @@ class OutputGuard {
   /// @throws regulus::Error (BadUsage) if it is an input or another output
   void add_output(const std::string& option, const std::filesystem::path& file);
 
+  /// A place that cannot be written is better known before an hour of work than after it: tries to make the
+  /// temporary file of every output that was added since the last call.
+  /// @throws regulus::Error (Failed) naming option and file
+  void require_places();
+
  private:
   /// Device and number of an existing file; of another one those of its folder, and its name.
   using Identity = std::tuple<dev_t, ino_t, std::string>;
@@ -38,6 +44,7 @@ class OutputGuard {
 
   std::map<Identity, std::string> inputs_;
   std::map<Identity, Output> outputs_;
+  std::vector<Output> unchecked_;  // devices and pipes too
 };
 
 }  // namespace regulus::cli

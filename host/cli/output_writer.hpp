@@ -15,8 +15,10 @@ class OutputWriter {
   void write(const std::filesystem::path& file, const std::function<std::string()>& encode);
 
   bool has_failed() const { return !failures_.empty(); }
+  /// In one line, which outputs could not be written, why, and where they are now.
+  const std::string& failures() const { return failures_; }
 
-  /// @throws regulus::Error (Failed) if some output could not be written: which, why, and where it is now
+  /// @throws regulus::Error (Failed) with failures(), if there are any
   void throw_failures() const;
 
  private:

@@ -15,6 +15,7 @@
 #include "check/reference_render.hpp"
 #include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
+#include "cli/film_memory.hpp"
 #include "cli/frames.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/merge_radius.hpp"
@@ -275,6 +276,8 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
                     Session& session) {
   render::RenderSettings settings = resolve_settings(options, scene);
   check_outputs(outputs, options, settings, session.guard);
+  const bool holds_sums = !options.sample_range.empty() || !options.checkpoint.empty();
+  require_film_memory(settings, holds_sums, options.backend != "reference", options.memory_bytes);
   LoadTimes times;
   times.load_seconds = session.stopwatch.lap();
   const bvh::Bvh bvh = bvh::build_for_scene(scene);
@@ -292,6 +295,7 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
   gpu::Device& device = open_device(options, session);
   const std::vector<render::Window> bands = film_bands(device, settings, options.band_pixels);
   if (bands.size() > 1) return render_by_bands(options, outputs, device, scene, bvh, settings, bands);
+  require_film_memory(settings, holds_sums, false, options.memory_bytes);
   render::Renderer renderer(device, scene, bvh, settings);
   times.pipeline_seconds = device.pipeline_seconds();
   if (earlier) resume(renderer, options.checkpoint, *earlier);

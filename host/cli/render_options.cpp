@@ -331,10 +331,10 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "--spp on the command line as many samples as the time allows")
       ->check(number_in(0.0, 1e9));
   command
-      .add_option(
-          "--noise", options.noise_target,
-          "Stop when the estimated relative error of the picture (root of relmse) is this small. Without "
-          "--spp on the command line as many samples as that takes")
+      .add_option("--noise", options.noise_target,
+                  "Stop when the estimated relative error of the picture (root of relmse) is this small, "
+                  "after 16 samples at least. Without "
+                  "--spp on the command line as many samples as that takes")
       ->check(number_in(0.0, 1e3));
   command.add_option("--size", options.size, "Film size WIDTHxHEIGHT (default: the scene's)");
   command.add_option("--crop", options.crop,
@@ -455,6 +455,18 @@ void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
       }
     }
   }
+}
+
+void require_no_outputs(const RenderOptions& options, const std::string& who) {
+  const std::pair<const char*, const std::string&> outputs[] = {
+      {"--output", options.output},
+      {"--png", options.png},
+      {"--stats", options.stats},
+      {"--checkpoint", options.checkpoint},
+      {"--strategy-images", options.strategy_images}};
+  for (const auto& [option, file] : outputs)
+    if (!file.empty())
+      throw Error(ExitStatus::BadUsage, fmt::format("{} writes no files; leave out {}", who, option));
 }
 
 void lift_sample_limit(const CLI::App& command, RenderOptions& options) {

@@ -69,6 +69,11 @@ void add_memory_option(CLI::App& command, uint64_t& bytes);
 /// Declares the options on the subcommand. `options` must outlive the parse.
 void declare_render_options(CLI::App& command, RenderOptions& options);
 
+/// For commands that take the options of `render` and write no files.
+/// @param who as the error begins
+/// @throws regulus::Error (BadUsage) naming an option that says what to write
+void require_no_outputs(const RenderOptions& options, const std::string& who);
+
 /// With --time or --noise and no --spp there is no limit to the samples. Call before the scene's settings are
 /// applied: their spp gives way too.
 void lift_sample_limit(const CLI::App& command, RenderOptions& options);

@@ -4,7 +4,6 @@
 
 #include "base/error.hpp"
 #include "cli/strategy_images.hpp"
-#include "image/atomic_file.hpp"
 
 namespace regulus::cli {
 
@@ -12,23 +11,6 @@ namespace fs = std::filesystem;
 using image::Format;
 
 namespace {
-
-// A place that cannot be written is better known before an hour of rendering than after it.
-void require_place(const std::string& option, const fs::path& file) {
-  if (file.empty()) return;
-  const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
-  std::error_code error;
-  if (!fs::is_directory(folder, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
-                                                file.string(), folder.string()));
-  if (fs::is_directory(file, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
-  try {
-    image::require_writable(file);
-  } catch (const Error& problem) {
-    throw Error(problem.status(), fmt::format("{} {}", option, problem.what()));
-  }
-}
 
 // Only a picture in OpenEXR holds sums. Other names are no business of ours, but this one would mislead.
 void require_checkpoint_name(const fs::path& file) {
@@ -58,7 +40,7 @@ RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) 
                                                            {"--checkpoint", outputs.checkpoint}};
   for (const auto& [option, file] : files)
     if (!file.empty()) guard.add_output(option, file);
-  for (const auto& [option, file] : files) require_place(option, file);
+  guard.require_places();
 
   outputs.format = image::require_format("--output", outputs.picture,
                                          {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});

@@ -10,7 +10,7 @@
 
 namespace regulus::cli {
 
-/// --time and --noise. The time runs from construction.
+/// --time, and --noise after 16 samples of every pixel. The time runs from construction.
 class StopRule {
  public:
   /// @param pixels of the film
@@ -21,8 +21,9 @@ class StopRule {
   bool is_reached(const render::Film& film, uint64_t paths) {
     if (noise_target_) noise_.observe(film);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    is_reached_ = is_reached_ || (paths >= pixels_ && time_limit_ && seconds >= *time_limit_) ||
-                  (noise_target_ && noise_.relative_error() <= *noise_target_);
+    is_reached_ =
+        is_reached_ || (paths >= pixels_ && time_limit_ && seconds >= *time_limit_) ||
+        (noise_target_ && film.paths >= LEAST_SAMPLES * pixels_ && noise_.relative_error() <= *noise_target_);
     return is_reached_;
   }
 
@@ -31,6 +32,9 @@ class StopRule {
   double noise() const { return noise_.relative_error(); }
 
  private:
+  // Fewer samples have not met yet what is rare, and do not miss it.
+  static constexpr uint64_t LEAST_SAMPLES = 16;
+
   std::optional<double> time_limit_, noise_target_;
   uint64_t pixels_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

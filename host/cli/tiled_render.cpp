@@ -1,11 +1,9 @@
 #include "cli/tiled_render.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 
-#include "base/error.hpp"
 #include "cli/part.hpp"
 #include "render/aov.hpp"
 
@@ -14,9 +12,6 @@ namespace regulus::cli {
 namespace {
 
 using render::Window;
-
-// Copies of the picture that exist at a time while it is encoded.
-constexpr uint64_t PICTURES_IN_MEMORY = 4;
 
 // Bytes of the film's buffers for each pixel: the largest one's and those of all.
 struct FilmBytes {
@@ -54,19 +49,6 @@ void place(const image::Channels& channels, const Window& band, const Window& wh
   }
 }
 
-void require_memory(const render::RenderSettings& settings) {
-  const Window window = settings.window();
-  const uint64_t memory =
-      static_cast<uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<uint64_t>(sysconf(_SC_PAGE_SIZE));
-  const uint64_t needed = PICTURES_IN_MEMORY * window.pixels() * 3 * sizeof(float);
-  if (needed > memory)
-    throw Error(
-        ExitStatus::Failed,
-        fmt::format("a picture of {} x {} pixels needs {} MiB while it is written, this machine has {} MiB; "
-                    "render parts of it with --crop",
-                    window.width, window.height, needed >> 20, memory >> 20));
-}
-
 }  // namespace
 
 std::vector<Window> film_bands(const gpu::Device& device, const render::RenderSettings& settings,
@@ -88,7 +70,6 @@ std::vector<Window> film_bands(const gpu::Device& device, const render::RenderSe
 TiledRender render_in_bands(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                             const render::RenderSettings& settings, const std::vector<Window>& bands,
                             const render::ProgressCallback& progress) {
-  require_memory(settings);
   const Window whole = settings.window();
   const uint64_t total = whole.pixels() * settings.samples;
   TiledRender result;

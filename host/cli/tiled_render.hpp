@@ -26,7 +26,6 @@ struct TiledRender {
 };
 
 /// Renders band after band; those that are not reached when `progress` returns false stay black.
-/// @throws regulus::Error (Failed) if this machine has no memory for the picture
 TiledRender render_in_bands(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
                             const render::RenderSettings& settings, const std::vector<render::Window>& bands,
                             const render::ProgressCallback& progress);

@@ -19,6 +19,7 @@
 
 #include "base/error.hpp"
 #include "image/atomic_file.hpp"
+#include "image/exr_memory.hpp"
 #include "image/image.hpp"
 #include "image/pixel_limit.hpp"
 
@@ -27,7 +28,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int MAX_EXTENT = 1 << 16;  // pixels; the widest film anybody renders, with room
+constexpr int MAX_EXTENT = 1 << 16;        // pixels; the widest film anybody renders, with room
+constexpr int MAX_TILE = 1 << 12;          // pixels; the library has a buffer of a whole tile
+constexpr uint64_t MAX_BLOCK_LINES = 256;  // DWAB's; other compressions have fewer
 
 /// How many bytes of pixels a byte of file can hold. Deflate reaches 1032 : 1, a third more in PXR24, which
 /// drops a byte in four; DWA first reduces empty blocks of 128 bytes to 2, all others stay below. A header
@@ -110,6 +113,13 @@ std::string encode_checked(const Image& image, const Attributes& attributes, con
 
 constexpr float LARGEST_HALF = 65504;
 
+uint64_t pixel_bytes_of(const Imf::Header& header) {
+  uint64_t bytes = 0;
+  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
+    bytes += c.channel().type == Imf::HALF ? 2 : 4;
+  return bytes;
+}
+
 /// Refuses what would make the decoder or us allocate out of proportion to the file.
 void check_window(const fs::path& path, const Imf::Header& header, const uint64_t file_bytes) {
   const Imath::Box2i& window = header.dataWindow();
@@ -118,10 +128,7 @@ void check_window(const fs::path& path, const Imf::Header& header, const uint64_
   if (width < 1 || height < 1 || width > MAX_EXTENT || height > MAX_EXTENT)
     fail_bad_file(
         path, fmt::format("data window of {} x {} pixels; at most {} are read", width, height, MAX_EXTENT));
-  uint64_t pixel_bytes = 0;
-  for (auto c = header.channels().begin(); c != header.channels().end(); ++c)
-    pixel_bytes += c.channel().type == Imf::HALF ? 2 : 4;
-  if (static_cast<uint64_t>(width * height) * pixel_bytes >
+  if (static_cast<uint64_t>(width * height) * pixel_bytes_of(header) >
       largest_expansion(header.compression()) * file_bytes)
     fail_bad_file(path, fmt::format("claims {} x {} pixels in {} bytes; the file is cut off or corrupt",
                                     width, height, file_bytes));
@@ -175,9 +182,10 @@ void check_attributes(const fs::path& path, std::istream& stream, const uint64_t
   }
 }
 
-/// Makes the constructor of input files refuse huge windows before it allocates line buffers for them.
+/// Makes the constructor of input files refuse huge windows and tiles before it allocates buffers for them.
 void limit_image_size() {
   Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
+  Imf::Header::setMaxTileSize(MAX_TILE, MAX_TILE);
 }
 
 Image read_pixels(const fs::path& path, Imf::InputFile& file, const uint64_t file_bytes,
@@ -291,21 +299,53 @@ ExrContents read_exr_contents(const fs::path& path) {
   });
 }
 
-Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes,
-                 const uint64_t max_pixels) {
+namespace {
+
+/// What `read` makes of a file's bytes; its errors and the library's become those of the file.
+template <typename Read>
+auto open_and_decode(const std::string& name, const std::span<const unsigned char> bytes, const Read& read) {
   try {
     limit_image_size();
-    std::istringstream header(std::string(bytes.begin(), bytes.end()));
-    check_attributes(name, header, bytes.size());
     Imf::StdISStream stream;
-    stream.str(std::string(bytes.begin(), bytes.end()));
+    {
+      const std::string text(bytes.begin(), bytes.end());
+      std::istringstream header(text);
+      check_attributes(name, header, bytes.size());
+      stream.str(text);
+    }
     Imf::InputFile file(stream);
-    return read_pixels(name, file, bytes.size(), nullptr, max_pixels);
+    return read(file);
   } catch (const Error&) {
     throw;
   } catch (const std::exception& problem) {
     fail_bad_file(name, fmt::format("cannot be read as OpenEXR ({})", problem.what()));
   }
+}
+
+}  // namespace
+
+Image decode_exr(const std::string& name, const std::span<const unsigned char> bytes,
+                 const uint64_t max_pixels) {
+  return open_and_decode(name, bytes, [&](Imf::InputFile& file) {
+    return read_pixels(name, file, bytes.size(), nullptr, max_pixels);
+  });
+}
+
+uint64_t exr_decoding_bytes(const std::string& name, const std::span<const unsigned char> bytes) {
+  return open_and_decode(name, bytes, [&](Imf::InputFile& file) {
+    const Imf::Header& header = file.header();
+    check_window(name, header, bytes.size());
+    const Imath::Box2i& window = header.dataWindow();
+    const auto width = static_cast<uint64_t>(int64_t{window.max.x} - window.min.x + 1);
+    const auto height = static_cast<uint64_t>(int64_t{window.max.y} - window.min.y + 1);
+    uint64_t pixels = width * std::min(height, MAX_BLOCK_LINES);
+    if (header.hasTileDescription()) {  // a tile, and a row of them
+      const Imf::TileDescription& tile = header.tileDescription();
+      pixels = uint64_t{tile.xSize} * tile.ySize + width * std::min<uint64_t>(height, tile.ySize);
+    }
+    constexpr uint64_t PACKED_AND_NOT = 2, COPIES_OF_FILE = 3;
+    return PACKED_AND_NOT * pixels * pixel_bytes_of(header) + COPIES_OF_FILE * bytes.size();
+  });
 }
 
 }  // namespace regulus::image

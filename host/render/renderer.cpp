@@ -28,6 +28,8 @@ constexpr uint32_t SOFTWARE_WAVE_PATHS = 1u << 16, HARDWARE_WAVE_PATHS = 1u << 2
 // A snapshot of the film is taken when the last one is so many times as old as it took to make, but not more
 // often than every LEAST_SNAPSHOT_SECONDS.
 constexpr double SNAPSHOT_AGE = 50, LEAST_SNAPSHOT_SECONDS = 0.25;
+// Where states of the film are wanted while it grows, each has at most so many times the paths of the last.
+constexpr double SNAPSHOT_GROWTH = 1.5;
 constexpr double FIRST_BYTES_PER_SECOND = 1e9;  // that a snapshot copies, before it has been measured
 constexpr uint32_t SURFACE_WAVE_PIXELS = 1u << 14;
 
@@ -205,10 +207,14 @@ struct Renderer::Impl {
     scan.record(work.room_for(std::min<uint64_t>(work.bound(), count / SCAN_FAN + 1)), words, count);
   }
 
+  uint64_t paths_of_next_state() const {
+    return std::max(pixels, static_cast<uint64_t>(SNAPSHOT_GROWTH * static_cast<double>(film.paths)));
+  }
+
   void take_snapshot_if_due() {
-    const bool has_doubled = settings.keeps_doublings && finished >= std::max(pixels, 2 * film.paths);
+    const bool has_grown = settings.keeps_doublings && finished >= paths_of_next_state();
     const double due = std::max(LEAST_SNAPSHOT_SECONDS, SNAPSHOT_AGE * snapshot_seconds);
-    if (!has_doubled && seconds_since(last_snapshot) < due) return;
+    if (!has_grown && seconds_since(last_snapshot) < due) return;
     work.finish();
     // A sample that is still to be squared makes no state to go on from.
     if (buffers.film_squares.size() != 0 && finished % pixels == 0 && finished != squared) return;
@@ -218,13 +224,23 @@ struct Renderer::Impl {
   // ---- schedules
 
   // Every wave is complete in itself: light paths, if any, then the camera paths that connect to them. Waves
-  // run over pixels and samples alike, but stop at every sample if its square is wanted.
+  // run over pixels and samples alike, but stop at every sample if its square is wanted, and where the next
+  // state of the film is due: a GPU's waves are so large that it would be long past it.
   void render_by_waves() {
-    const bool has_variance = buffers.film_squares.size() != 0;
     while (is_running && finished < total_paths) {
-      run_paths(finished, has_variance ? (finished / pixels + 1) * pixels : total_paths);
+      run_paths(finished, next_stop());
       end_sample();
+      if (!is_running || !settings.keeps_doublings) continue;
+      take_snapshot_if_due();
+      is_running = (*progress)(finished, total_paths);
     }
+  }
+
+  uint64_t next_stop() const {
+    uint64_t stop = total_paths;
+    if (buffers.film_squares.size() != 0) stop = std::min(stop, (finished / pixels + 1) * pixels);
+    if (settings.keeps_doublings) stop = std::min(stop, std::max(paths_of_next_state(), finished + 1));
+    return stop;
   }
 
   void run_paths(uint64_t begin, uint64_t end) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "image/exr_memory.hpp"
 #include "image/image.hpp"
 
 namespace regulus::scene {
@@ -77,9 +78,13 @@ std::vector<glm::vec3> radiances_of(Document& document, const image::Image& imag
 
 Environment read_map(Document& document, const Bytes& bytes, const std::string& name, double rotation,
                      double scale) {
+  const uint64_t held = document.files.held_bytes();
+  const bool is_radiance = image::is_radiance(bytes);
+  if (!is_radiance) document.hold(image::exr_decoding_bytes(name, bytes), name);
   const uint64_t max_texels = std::min(MAX_TEXELS, document.files.free_bytes() / BYTES_OF_TEXEL);
-  const image::Image image = image::is_radiance(bytes) ? image::decode_radiance(name, bytes, max_texels)
-                                                       : image::decode_exr(name, bytes, max_texels);
+  document.files.release_to(held);  // until the map is made there is room for both
+  const image::Image image = is_radiance ? image::decode_radiance(name, bytes, max_texels)
+                                         : image::decode_exr(name, bytes, max_texels);
   document.hold(uint64_t{image.width} * image.height * BYTES_OF_TEXEL, name);
   Environment environment =
       map_environment(radiances_of(document, image, scale, name), image.width, rotation / 360);

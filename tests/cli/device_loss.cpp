@@ -2,7 +2,7 @@
 // written.
 //
 // The program is regulus with tests/cli/lose_device.cpp. A snapshot of the film takes two downloads, sums and
-// counters, about five seconds after the render began and every five seconds from there.
+// counters, a quarter of a second after the render began at the earliest and as often from there.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -2,7 +2,10 @@
 // elsewhere; formats follow names; what cannot be written is told early or put elsewhere. Rendered by the
 // reference: nothing here needs a Vulkan device.
 #include <gtest/gtest.h>
+#include <linux/capability.h>
 #include <signal.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -156,6 +159,10 @@ TEST_F(Outputs, StrategyImagesReplaceNothing) {
 }
 
 TEST_F(Outputs, OtherCommandsReplaceNothingEither) {
+  fs::create_directory(folder_ / "references");
+  fs::copy_file(gltf(), folder_ / "other.gltf");
+  for (const char* name : {"references/scene.exr", "references/other.exr"})
+    image::write_exr(folder_ / name, {2, 1, {1, 1, 1, 1, 1, 1}});
   const auto before = contents();
   expect_error(run({"inspect", gltf(), "--json", gltf()}), 2, {"--json", "is the scene"});
   expect_error(run({"inspect", gltf(), "--json", file("scene/sky.exr")}), 2, {"--json", "refers to"});
@@ -165,6 +172,34 @@ TEST_F(Outputs, OtherCommandsReplaceNothingEither) {
   expect_error(run({"diff", sky, sky, "--heat-map", file("x.png"), "--flip-map", file("x.png")}), 2,
                {"--flip-map", "--heat-map"});
   expect_error(run({"bench", "reference", gltf(), "-o", sky}), 2, {"--output", "refers to"});
+  for (const std::string& output : {gltf(), sky}) {
+    const char* why = output == sky ? "refers to" : "is the scene";
+    expect_error(run({"bench", "kernels", gltf(), "--json", output}), 2, {"--json", why});
+    expect_error(run({"bench", "skip", gltf(), "--json", output}), 2, {"--json", why});
+    // Of several scenes it may be another's file. Their references need only exist.
+    for (const char* option : {"--json", "--html"})
+      expect_error(run({"bench", "error", "--scenes", file("other.gltf"), gltf(), "--references",
+                        file("references"), option, output}),
+                   2, {option, why});
+  }
+  const std::string reference = file("references/scene.exr");
+  expect_error(
+      run({"bench", "error", "--scenes", gltf(), "--references", file("references"), "--json", reference}), 2,
+      {"--json", "is a reference"});
+  expect_error(run({"bench", "error", "--scenes", gltf(), "--references", file("references"), "--json",
+                    file("x"), "--html", file("x")}),
+               2, {"--html", "--json"});
+  // Known before minutes of measuring.
+  expect_error(run({"bench", "kernels", "--json", file("absent/x.json")}), 1, {"--json", "absent"});
+  expect_error(run({"bench", "skip", gltf(), "--json", file("absent/x.json")}), 1, {"--json", "absent"});
+  expect_error(run({"bench", "error", "--scenes", gltf(), "--references", file("references"), "--html",
+                    file("absent/x.html")}),
+               1, {"--html", "absent"});
+  // What would be ignored is not accepted.
+  for (const char* option : {"--output", "--png", "--stats", "--checkpoint", "--strategy-images"})
+    expect_error(run({"check", gltf(), option, sky}), 2, {"check writes no files", option});
+  expect_error(run({"bench", "reference", gltf(), "-o", file("new.exr"), "--options", "-i pt -o " + sky}), 2,
+               {"--output", "writes no files"});
   EXPECT_TRUE(contents() == before);
 }
 
@@ -230,13 +265,41 @@ TEST_F(Outputs, PlacesThatCannotBeWrittenAreKnownBeforeTheSceneIsRead) {
     for (const std::string& place : {file("absent/" + name), file("broken.gltf/" + name), file("scene")})
       expect_error(run({"render", file("broken.gltf"), option, place}), 1, {option, place});
   }
-  if (geteuid() != 0) {  // root may write everywhere
-    std::ofstream(file("protected.exr")) << "finished";
-    fs::permissions(file("protected.exr"), fs::perms::owner_read);
-    expect_error(run({"render", file("broken.gltf"), "-o", file("protected.exr")}), 1, {"protected.exr"});
-    fs::remove(file("protected.exr"));
-  }
+  // No permissions are needed to be refused there, not even by root.
+  for (const char* place : {"/proc/x.exr", "/proc/self/x.exr"})
+    expect_error(run({"render", file("broken.gltf"), "-o", place}), 1, {"--output", place});
   EXPECT_TRUE(contents() == before);
+}
+
+/// Root writes everywhere; the new process does not any more.
+void give_up_override() {
+  for (const int capability : {CAP_DAC_OVERRIDE, CAP_DAC_READ_SEARCH, CAP_FOWNER})
+    prctl(PR_CAPBSET_DROP, capability);
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[2] = {};
+  if (syscall(SYS_capget, &header, data) != 0) return;
+  for (__user_cap_data_struct& word : data) word.inheritable = 0;
+  syscall(SYS_capset, &header, data);
+}
+
+TEST_F(Outputs, WriteProtectedFilesAndFoldersAreLeftAlone) {
+  if (geteuid() == 0 && prctl(PR_CAPBSET_READ, CAP_SETPCAP) != 1)
+    GTEST_SKIP() << "root that cannot give up its right to write everywhere";
+  std::ofstream(file("protected.exr")) << "finished";
+  fs::permissions(file("protected.exr"), fs::perms::owner_read);
+  fs::create_directory(folder_ / "protected");
+  fs::permissions(folder_ / "protected", fs::perms::owner_read | fs::perms::owner_exec);
+  fs::create_symlink("protected.exr", folder_ / "link.exr");
+  for (const char* name : {"protected.exr", "link.exr", "protected/new.exr"})
+    expect_error(run(command({"-o", file(name)}), {}, give_up_override), 1,
+                 {"--output", name, "Permission denied"});
+  EXPECT_EQ(read_file(file("protected.exr")), "finished");
+  EXPECT_TRUE(fs::is_empty(folder_ / "protected"));
+  // The same places are fine once they may be written.
+  fs::permissions(file("protected.exr"), fs::perms::owner_all);
+  fs::permissions(folder_ / "protected", fs::perms::owner_all);
+  for (const char* name : {"protected.exr", "protected/new.exr"})
+    EXPECT_EQ(run(command({"-o", file(name)}), {}, give_up_override).status, 0) << name;
 }
 
 // The picture cannot be written where it should be: it is somewhere, and the other outputs are where they
@@ -270,6 +333,18 @@ TEST_F(Outputs, ARemovedFolderLosesNothing) {
   const Finished finished = process.wait();
   expect_error(finished, 1, {"going/a.exr", "No such file", "elsewhere/regulus-"});
   EXPECT_EQ(image::read_exr(fs::directory_iterator(folder_ / "elsewhere")->path()).width, 8u);
+}
+
+// Known before anything is rendered: at least the three words of each sum, for three channels, twice.
+TEST_F(Outputs, FilmsAreCountedBeforeTheyAreMade) {
+  Arguments arguments = command({"-o", file("a.exr"), "--memory", "16M"});
+  std::ranges::replace(arguments, std::string("8x8"), std::string("512x512"));
+  const Finished finished = run(arguments);
+  expect_error(finished, 1, {"512 x 512", "but --memory allows 16.0 MiB", "--crop"});
+  const std::string before = "needs ";
+  EXPECT_GE(std::stod(finished.err.substr(finished.err.find(before) + before.size())), 18) << finished.err;
+  arguments.insert(arguments.end(), {"--crop", "0,0,8,8"});
+  EXPECT_EQ(run(arguments).status, 0);
 }
 
 TEST_F(Outputs, WhatAKilledRunLeftIsRemovedByTheNext) {

@@ -102,6 +102,13 @@ TEST_F(Render, StatisticsHaveTheirKeys) {
     EXPECT_GE(s.at("seconds").at(name).get<double>(), 0) << name;
   EXPECT_GT(s.at("seconds").at("render").get<double>(), 0);
   EXPECT_EQ(s.at("spp_done"), 4);
+  const json& submissions = s.at("submissions");
+  EXPECT_GT(submissions.at("count").get<uint64_t>(), 0u);
+  EXPECT_GT(submissions.at("most_items").get<uint64_t>(), 0u);
+  EXPECT_LE(submissions.at("most_items").get<uint64_t>(), submissions.at("bound_items").get<uint64_t>());
+  const auto longest_ms = submissions.at("longest_device_ms").get<double>();
+  EXPECT_GT(longest_ms, 0);
+  EXPECT_LE(longest_ms, 1.001e3 * s.at("seconds").at("device").get<double>());
   EXPECT_EQ(s.at("non_finite"), 0);
   EXPECT_GT(s.at("device_peak_bytes").get<uint64_t>(), 0u);
   EXPECT_GT(s.at("host_peak_bytes").get<uint64_t>(), 0u);

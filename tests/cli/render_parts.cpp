@@ -328,11 +328,11 @@ TEST_F(RenderParts, ACheckpointIsTriedAgain) {
   std::erase(arguments, "--quiet");
   Process process(arguments);
   ASSERT_TRUE(process.wait_for_handler(SIGTERM)) << process.wait().err;
-  // States of the film are five seconds apart: it need not render all that time.
+  // States of the film are a quarter of a second apart or more: it need not render all that time.
   const auto pause_while = [&](const std::function<void()>& action) {
     process.send(SIGSTOP);
     action();
-    std::this_thread::sleep_for(std::chrono::seconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
     process.send(SIGCONT);
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   };
@@ -380,10 +380,10 @@ class KilledRender : public RenderParts {
     const auto before = written();
     Process process(arguments);
     EXPECT_TRUE(process.wait_for_handler(SIGINT)) << process.wait().err;
-    // States of the film are five seconds apart: it need not render all that time.
+    // States of the film are a quarter of a second apart or more: it need not render all that time.
     std::this_thread::sleep_for(std::chrono::milliseconds(300));
     process.send(SIGSTOP);
-    std::this_thread::sleep_for(std::chrono::seconds(5));
+    std::this_thread::sleep_for(std::chrono::milliseconds(600));
     process.send(SIGCONT);
     wait_until([&] { return while_writing ? has_temporary() : written() != before; });
     if (!while_writing) std::this_thread::sleep_for(std::chrono::milliseconds(random_() % 300));

@@ -2,6 +2,7 @@
 // here needs a Vulkan device.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 #include "cli/process.hpp"
@@ -115,6 +116,20 @@ TEST_F(Usage, InfiniteTauIsNoRegularization) {
     return image::read_exr(file).rgb;
   };
   EXPECT_EQ(picture("inf.exr", {"--tau", "inf"}), picture("none.exr", {"--regularization", "none"}));
+}
+
+// Of one edge there is only what the camera sees itself: no light that a surface reflects, whatever looks for
+// it.
+TEST_F(Usage, OneEdgeIsOneEdgeByTheReference) {
+  for (const char* integrator : {"pt", "lt", "bpt", "bpm", "vcm"})
+    for (const char* depth : {"1", "2"}) {
+      const Finished finished = run({"render", gltf(), "-o", exr(), "--size", "8x8", "-s", "4", "--backend",
+                                     "reference", "-i", integrator, "--max-depth", depth});
+      ASSERT_EQ(finished.status, 0) << finished.err;
+      const std::vector<float> rgb = image::read_exr(exr()).rgb;
+      EXPECT_EQ(std::any_of(rgb.begin(), rgb.end(), [](float value) { return value != 0; }), depth[0] == '2')
+          << integrator << " --max-depth " << depth;
+    }
 }
 
 TEST_F(Usage, AnEqualsSignAfterAShortOptionIsNoPartOfItsValue) {

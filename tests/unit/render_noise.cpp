@@ -70,6 +70,21 @@ TEST(NoiseEstimate, FindsTheNoiseOfIndependentSamples) {
   }
 }
 
+// A hundred more samples say little of the other pixels: the estimate follows the number of samples alone.
+TEST(NoiseEstimate, AFewMoreSamplesAreNoNewEstimate) {
+  NoisyFilm film(1, 73);
+  render::NoiseEstimate noise;
+  noise.observe(film.grow(16 * NoisyFilm::PIXELS));
+  noise.observe(film.grow(16 * NoisyFilm::PIXELS));
+  const double before = noise.relative_error();
+  for (uint64_t paths = 100; paths < 4 * NoisyFilm::PIXELS; paths *= 2) {
+    noise.observe(film.grow(paths));
+    const double share =
+        32.0 * NoisyFilm::PIXELS / (32.0 * NoisyFilm::PIXELS + 2 * static_cast<double>(paths) - 100);
+    EXPECT_NEAR(noise.relative_error(), before * std::sqrt(share), 1e-9) << paths;
+  }
+}
+
 TEST(NoiseEstimate, PartSamplesCountWhereTheyAre) {
   NoisyFilm film(1, 72);
   render::NoiseEstimate noise;

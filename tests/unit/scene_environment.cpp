@@ -55,6 +55,26 @@ TEST_F(EnvironmentFile, IsReadWithRotationAndScale) {
   EXPECT_FALSE(scene.settings.contains("environment"));
 }
 
+// Blocks hold all channels, also those that are not read: 100 more make 412 bytes a pixel, packed and not.
+TEST_F(EnvironmentFile, WhatOpenExrTakesIsCountedBeforeItIsTaken) {
+  constexpr uint32_t WIDTH = 512, HEIGHT = 16;
+  image::Channels channels;
+  for (int i = 0; i < 100; ++i)
+    channels["more." + std::to_string(i)] = std::vector<float>(size_t{WIDTH} * HEIGHT);
+  image::write_exr(folder_.path() / "sky.exr", {WIDTH, HEIGHT, std::vector<float>(3 * WIDTH * HEIGHT, 1.0f)},
+                   {}, channels);
+  file_.root["scenes"][0]["extras"]["regulus"]["environment"]["file"] = "sky.exr";
+  const auto file = folder_.write("scene.gltf", file_.root.dump());
+  const uint64_t blocks = 2 * WIDTH * HEIGHT * (12 + 100 * 4);
+  LoadOptions options;
+  options.memory_bytes = blocks;
+  const std::string error = error_of([&] { scene::load(file, options); });
+  EXPECT_NE(error.find("sky.exr needs 6."), std::string::npos) << error;
+  EXPECT_NE(error.find("--memory allows 6.4 MiB"), std::string::npos) << error;
+  options.memory_bytes = 2 * blocks;
+  EXPECT_EQ(error_of([&] { scene::load(file, options); }), "");
+}
+
 TEST_F(EnvironmentFile, OptionsWin) {
   write("sky.exr", 2, 1, {1, 2});
   write("other.exr", 1, 2, {5, 7});
