@@ -149,6 +149,9 @@ class Device {
   void download(const Buffer& buffer, uint64_t offset, std::span<std::byte> data);
 
   Kernel create_kernel(const KernelDescription& description);
+  /// The same for several at once, compiled by as many threads as the machine has; in the order of
+  /// `descriptions`.
+  std::vector<Kernel> create_kernels(std::span<const KernelDescription> descriptions);
 
   Submission submit(CommandList&& commands);
   /// Blocks until the submission has run; returns the time of each dispatch, in recording order, once.
@@ -157,7 +160,7 @@ class Device {
   uint64_t allocated_bytes() const;       ///< device memory held now
   uint64_t peak_allocated_bytes() const;  ///< the most ever held
   uint64_t free_bytes() const;            ///< estimate of what can still be allocated
-  double pipeline_seconds() const;        ///< host time spent creating pipelines
+  double pipeline_seconds() const;        ///< time that went by while pipelines were made
 
   struct Impl;
   std::unique_ptr<Impl> impl;

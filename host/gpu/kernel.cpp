@@ -1,7 +1,11 @@
 // Compute pipelines.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <exception>
+#include <thread>
 
 #include "base/error.hpp"
 #include "gpu/specialize.hpp"
@@ -39,24 +43,67 @@ vk::raii::Pipeline compile(const DeviceState& state, const KernelDescription& de
   return {state.device, cache, vk::ComputePipelineCreateInfo({}, stage, *state.layout)};
 }
 
-/// Compiles with the help of the user's cache folder, and leaves there what was new.
-vk::raii::Pipeline compile_cached(DeviceState& state, const KernelDescription& description) {
+struct Compiled {
+  vk::raii::Pipeline pipeline{nullptr};
+  bool is_stored = false;  ///< the cache folder has a file more
+};
+
+/// Compiles with the help of the user's cache folder, if there is one, and leaves there what was new. Several
+/// threads may do so at once: each kernel has a driver cache and a file of its own.
+Compiled compile_cached(const DeviceState& state, const KernelDescription& description) {
+  if (state.cache_folder.empty()) return {compile(state, description, specialize(description), nullptr)};
   const PipelineCacheFile file(state.cache_folder, state.driver, description);
   CachedKernel known = file.load();
   const bool is_new = known.spirv.empty();
   if (is_new) known.spirv = specialize(description);
   const vk::raii::PipelineCache cache(
       state.device, vk::PipelineCacheCreateInfo({}, known.driver_data.size(), known.driver_data.data()));
-  vk::raii::Pipeline pipeline = compile(state, description, known.spirv, cache);
+  Compiled compiled{compile(state, description, known.spirv, cache), is_new};
   // Not whenever the driver's data has changed: SwiftShader's grows by one header each time it is read.
   if (is_new) {
     const std::vector<uint8_t> data = cache.getData();
     const auto bytes = std::as_bytes(std::span(data));
     known.driver_data.assign(bytes.begin(), bytes.end());
     file.store(known);
-    state.has_new_pipelines = true;
   }
-  return pipeline;
+  return compiled;
+}
+
+/// compile_cached() with the driver's errors in words.
+Compiled compile_or_say_why(DeviceState& state, const KernelDescription& description) {
+  try {
+    return compile_cached(state, description);
+  } catch (const vk::SystemError& error) {
+    if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);
+    throw Error(ExitStatus::Failed,
+                fmt::format("the driver of {} cannot compile stage {} ({}); try another --device or driver",
+                            state.info().name, description.name, error.what()));
+  }
+}
+
+/// compile_or_say_why() for each, on as many threads as the machine has. Throws the first error in the order
+/// of `descriptions`, after all threads have ended.
+std::vector<Compiled> compile_all(DeviceState& state,
+                                  std::span<const KernelDescription* const> descriptions) {
+  std::vector<Compiled> compiled(descriptions.size());
+  std::vector<std::exception_ptr> errors(descriptions.size());
+  std::atomic<size_t> next = 0;
+  const auto work = [&] {
+    for (size_t i = next++; i < descriptions.size(); i = next++) try {
+        compiled[i] = compile_or_say_why(state, *descriptions[i]);
+      } catch (...) {
+        errors[i] = std::current_exception();
+      }
+  };
+  {
+    const size_t threads = std::min<size_t>(std::thread::hardware_concurrency(), descriptions.size());
+    std::vector<std::jthread> others;
+    for (size_t i = 1; i < threads; ++i) others.emplace_back(work);
+    work();
+  }
+  for (const std::exception_ptr& error : errors)
+    if (error) std::rethrow_exception(error);
+  return compiled;
 }
 
 }  // namespace
@@ -66,25 +113,32 @@ Kernel::~Kernel() = default;
 Kernel::Kernel(Kernel&&) noexcept = default;
 Kernel& Kernel::operator=(Kernel&&) noexcept = default;
 
-Kernel Device::create_kernel(const KernelDescription& description) {
+std::vector<Kernel> Device::create_kernels(std::span<const KernelDescription> descriptions) {
   const auto begin = std::chrono::steady_clock::now();
   DeviceState& state = *impl->state;
-  Kernel kernel;
-  try {
-    std::shared_ptr<vk::raii::Pipeline>& pipeline = state.pipelines[kernel_key(state.driver, description)];
-    if (!pipeline)
-      pipeline = std::make_shared<vk::raii::Pipeline>(
-          state.cache_folder.empty() ? compile(state, description, specialize(description), nullptr)
-                                     : compile_cached(state, description));
-    kernel.impl.reset(new Kernel::Impl{impl->state, description.name, pipeline});
-  } catch (const vk::SystemError& error) {
-    if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);
-    throw Error(ExitStatus::Failed,
-                fmt::format("the driver of {} cannot compile stage {} ({}); try another --device or driver",
-                            state.info().name, description.name, error.what()));
+  std::map<uint64_t, const KernelDescription*> missing;
+  std::vector<uint64_t> keys;
+  for (const KernelDescription& description : descriptions) {
+    keys.push_back(kernel_key(state.driver, description));
+    if (!state.pipelines.contains(keys.back())) missing.emplace(keys.back(), &description);
   }
+  std::vector<const KernelDescription*> to_compile;
+  for (const auto& [key, description] : missing) to_compile.push_back(description);
+  std::vector<Compiled> compiled = compile_all(state, to_compile);
+  auto next = compiled.begin();
+  for (const auto& [key, description] : missing) {
+    state.has_new_pipelines = state.has_new_pipelines || next->is_stored;
+    state.pipelines[key] = std::make_shared<vk::raii::Pipeline>(std::move(next++->pipeline));
+  }
+  std::vector<Kernel> kernels(descriptions.size());
+  for (size_t i = 0; i < kernels.size(); ++i)
+    kernels[i].impl.reset(new Kernel::Impl{impl->state, descriptions[i].name, state.pipelines.at(keys[i])});
   state.pipeline_seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  return kernel;
+  return kernels;
+}
+
+Kernel Device::create_kernel(const KernelDescription& description) {
+  return std::move(create_kernels(std::span(&description, 1)).front());
 }
 
 }  // namespace regulus::gpu

@@ -64,37 +64,40 @@ bool is_needed(const StageStep& step, const scene::Features& features, const Ren
 
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
                                          const RenderSettings& settings) {
-  std::vector<PipelineStep> pipeline;
+  std::vector<const StageStep*> steps;
+  std::vector<gpu::KernelDescription> descriptions;
   for (const StageStep& step : STAGES) {
     if (step.extent == Extent::Scan || !is_needed(step, features, settings)) continue;
     // What shades whatever it meets needs the most general class.
     const uint32_t material_class = step.pass == Pass::Surface         ? MATERIAL_CLASS_TRANSMISSIVE
                                     : step.material_class == ANY_CLASS ? 0
                                                                        : step.material_class;
-    gpu::KernelDescription description{
-        step.name,
-        stage_spirv(device, step.shader),
-        {{SPEC_NDF, settings.ndf},
-         {SPEC_SHADOWING, settings.shadowing},
-         {SPEC_MATERIAL_CLASS, material_class},
-         {SPEC_FEATURES, features.bits},
-         {SPEC_TECHNIQUES, settings.techniques},
-         {SPEC_REGULARIZATION, settings.regularization},
-         {SPEC_BOUND, settings.bound},
-         {SPEC_MIS, settings.mis},
-         {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
-         {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
-         {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
-         {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
-         {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
-         {SPEC_LIGHT_SAMPLING, settings.light_sampling},
-         {SPEC_STRATEGIES, settings.has_strategy_images ? 1u : 0u},
-         {SPEC_FILM_EXPONENT, static_cast<uint32_t>(features.film_exponents.radiance)},
-         {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(features.film_exponents.squares)},
-         {SPEC_FILTER, settings.filter},
-         {SPEC_SAMPLER, settings.sampler}}};
-    pipeline.push_back({step, device.create_kernel(description)});
+    steps.push_back(&step);
+    descriptions.push_back({step.name,
+                            stage_spirv(device, step.shader),
+                            {{SPEC_NDF, settings.ndf},
+                             {SPEC_SHADOWING, settings.shadowing},
+                             {SPEC_MATERIAL_CLASS, material_class},
+                             {SPEC_FEATURES, features.bits},
+                             {SPEC_TECHNIQUES, settings.techniques},
+                             {SPEC_REGULARIZATION, settings.regularization},
+                             {SPEC_BOUND, settings.bound},
+                             {SPEC_MIS, settings.mis},
+                             {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
+                             {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
+                             {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
+                             {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
+                             {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
+                             {SPEC_LIGHT_SAMPLING, settings.light_sampling},
+                             {SPEC_STRATEGIES, settings.has_strategy_images ? 1u : 0u},
+                             {SPEC_FILM_EXPONENT, static_cast<uint32_t>(features.film_exponents.radiance)},
+                             {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(features.film_exponents.squares)},
+                             {SPEC_FILTER, settings.filter},
+                             {SPEC_SAMPLER, settings.sampler}}});
   }
+  std::vector<gpu::Kernel> kernels = device.create_kernels(descriptions);
+  std::vector<PipelineStep> pipeline;
+  for (size_t i = 0; i < steps.size(); ++i) pipeline.push_back({*steps[i], std::move(kernels[i])});
   return pipeline;
 }
 

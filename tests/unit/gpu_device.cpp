@@ -277,6 +277,27 @@ TEST_F(GpuDevice, TimesAreThoseOfTheStagesAndFitInTheWallTime) {
   EXPECT_LE(sum_ms, wall_ms * 1.001 + 0.01);
 }
 
+TEST_F(GpuDevice, KernelsMadeAtOnceAreTheOnesThatWereAskedForInOrder) {
+  constexpr uint32_t COUNT = 24;
+  std::vector<KernelDescription> wanted;
+  for (uint32_t i = 0; i < COUNT; ++i)  // every factor twice
+    wanted.push_back({.name = "probe " + std::to_string(i),
+                      .spirv = probe::spirv("gpu_probe.int32"),
+                      .constants = {{0, PROBE_WORKGROUP_SIZE}, {1, 100 + i / 2}}});
+  const std::vector<Kernel> kernels = device.create_kernels(wanted);
+  ASSERT_EQ(kernels.size(), COUNT);
+  Buffer one = upload_new<uint32_t>(device, {1}, "one");
+  for (uint32_t i = 0; i < COUNT; ++i) {
+    Buffer to = device.create_buffer(one.size(), "to");
+    CommandList commands(device);
+    run_probe(commands, kernels[i], one, to, 0);
+    const std::vector<StageTime> times = run(std::move(commands));
+    EXPECT_EQ(times.front().stage, wanted[i].name);
+    EXPECT_EQ(download_all<uint32_t>(device, to, 1).front(), 100 + i / 2);
+  }
+  EXPECT_TRUE(device.create_kernels({}).empty());
+}
+
 TEST_F(GpuDevice, StagesAreNamedWithoutTimesIfNoneAreWanted) {
   Device untimed({.select = "", .pipeline_cache = false, .software_stage_times = false});
   Kernel kernel = untimed.create_kernel(
