@@ -45,7 +45,7 @@ class Speck {
       if (!values.empty()) values.resize(scene.vertices.size(), value);
     };
     complete(scene.vertex_colors, glm::vec4(1));
-    complete(scene.vertex_uvs, glm::vec2(0));
+    scene.vertex_uvs.resize(scene.vertices.size() * scene.vertex_uv_sets, glm::vec2(0));
     complete(scene.vertex_tangents, glm::vec4(1, 0, 0, 1));
   }
 
@@ -106,10 +106,11 @@ const std::map<uint32_t, Addition>& additions() {
       {FEATURE_TEXTURE_MAPPINGS,
        [](Speck& s) { s.material().base_color_texture = s.texture(TEXTURE_MAPPED); }},
       {FEATURE_WIDE_TEXELS, [](Speck& s) { s.material().base_color_texture = s.texture(TEXTURE_HALF); }},
-      {FEATURE_SECOND_UVS,
+      {FEATURE_UV_SETS,
        [](Speck& s) {
+         s.scene().vertex_uv_sets = 1;
          s.scene().vertex_uvs.resize(s.scene().vertices.size(), glm::vec2(0));
-         s.material().base_color_texture = s.texture(TEXTURE_SECOND_UVS);
+         s.material().base_color_texture = s.texture(1U << TEXTURE_SET_SHIFT);
        }},
       {FEATURE_SPECULAR_TEXTURES, [](Speck& s) { s.shiny(0.5F).specular_texture = s.texture(); }},
       {FEATURE_TRIANGLE_LIGHTS, [](Speck& s) { s.emits(0); }},

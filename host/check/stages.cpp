@@ -276,7 +276,10 @@ class StageChecker {
     u = glm::clamp(u, dvec4(0), dvec4(1 - 1e-9));
     reference::Surface surface = subject_.world.surface_at(hit.triangle, barycentrics);
     const double sign_u = sign_of(jitter, 9), sign_v = sign_of(jitter, 10);
-    if (is_moved) surface.uv += 2 * ULP * abs(surface.uv) * dvec4(sign_u, sign_v, sign_u, sign_v);
+    if (is_moved) {
+      surface.uv.own += 2 * ULP * abs(surface.uv.own) * dvec2(sign_u, sign_v);
+      surface.uv.weights += 2 * ULP * surface.uv.weights * dvec3(sign_u, sign_v, -sign_u);
+    }
     reference::WalkVertex vertex = arrive(subject_.world, surface, hit.t, state, 1, is_camera_);
     if (!is_camera_ && index == 0 && !end_by_range(subject_.world, light_point(path), vertex, state))
       return std::nullopt;

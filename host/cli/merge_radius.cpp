@@ -13,9 +13,11 @@ reference::SeenSurfaces seen_by_camera(const scene::Scene& scene, const bvh::Bvh
 
 std::string choose_merge_radius(const scene::Scene& scene, const bvh::Bvh& bvh,
                                 render::RenderSettings& settings) {
-  const float asked = settings.merge_radius;
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   const reference::SeenSurfaces seen = seen_by_camera(scene, bvh, settings.camera);
+  const float asked = settings.merge_radius >= 0
+                          ? settings.merge_radius
+                          : reference::radius_of_share(-settings.merge_radius, seen, scene_radius);
   const reference::MergeRadius chosen =
       asked == 0 ? default_merge_radius(seen, scene_radius) : given_merge_radius(asked, seen, scene_radius);
   settings.merge_radius = chosen.metres;

@@ -186,18 +186,17 @@ uint32_t parse_connections(const std::string& text) {
               fmt::format("--connections {}: expected paired or cache:M with M from 1 to 1024", text));
 }
 
-// In metres.
-float parse_merge_radius(const std::string& text, float scene_radius) {
+// In metres, or minus a share of the extent seen.
+float parse_merge_radius(const std::string& text) {
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const std::string_view unit(end, static_cast<size_t>(text.data() + text.size() - end));
-  const float radius = unit == "%" ? 0.01f * value * scene_radius : value;
-  if (error != std::errc{} || !(unit.empty() || unit == "%") || !std::isfinite(radius) || !(radius > 0))
+  if (error != std::errc{} || !(unit.empty() || unit == "%") || !std::isfinite(value) || !(value > 0))
     throw Error(ExitStatus::BadUsage,
-                fmt::format("--merge-radius {}: expected metres, such as 0.01, or percent of the scene's "
-                            "radius, such as 0.3%",
+                fmt::format("--merge-radius {}: expected metres, such as 0.01, or percent of the extent "
+                            "seen, such as 0.3%",
                             text));
-  return radius;
+  return unit == "%" ? -0.01f * value : value;
 }
 
 }  // namespace
@@ -262,9 +261,9 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                      "Light vertices a camera vertex connects to: paired (those of its own light path) or "
                      "cache:M (M drawn from all of the iteration)");
   command.add_option("--merge-radius", options.merge_radius,
-                     "Merge radius of the first iteration in metres, or in percent of the scene's radius, as "
-                     "in 0.3%; at most a tenth of the extent seen (default: a thousandth of the picture's "
-                     "height at the surfaces seen)");
+                     "Merge radius of the first iteration in metres, or in percent of the extent seen, as in "
+                     "0.3%; at most a tenth of it (default: a thousandth of the picture's height at the "
+                     "surfaces seen)");
   command
       .add_option("--merge-reduction", settings.merge_reduction,
                   "The merge radius of iteration i is the first one's times i to minus this power")
@@ -502,9 +501,7 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   if (settings.regularization != REGULARIZATION_NONE)
     settings.regularization |= options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);
-  const float scene_radius = 0.5f * glm::length(scene.bounds_max - scene.bounds_min);
-  settings.merge_radius =
-      options.merge_radius.empty() ? 0 : parse_merge_radius(options.merge_radius, scene_radius);
+  settings.merge_radius = options.merge_radius.empty() ? 0 : parse_merge_radius(options.merge_radius);
   if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
   settings.filter_radius = options.filter_radius.value_or(settings.filter == FILTER_BOX ? 0.5f : 1.5f);
   settings.filter_sigma = settings.filter_radius / 3;

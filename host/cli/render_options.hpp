@@ -96,7 +96,7 @@ uint32_t parse_technique_set(const std::string& text);
 glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera);
 
 /// The settings of the render once the scene is known: size, camera, techniques resolved. A merge radius is
-/// the one asked for, or 0 until cli::choose_merge_radius.
+/// the one asked for until cli::choose_merge_radius: metres, or minus a share of the extent seen, or 0.
 /// @throws regulus::Error (BadUsage) naming the option
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene);
 

@@ -72,6 +72,10 @@ double extent_of(const std::vector<dvec3>& positions) {
   return median(values);
 }
 
+double extent_of(const SeenSurfaces& seen, double scene_radius) {
+  return seen.extent > 0 ? seen.extent : scene_radius;
+}
+
 float three_digits(double value) {
   const double unit = std::pow(10.0, std::floor(std::log10(value)) - 2);
   return static_cast<float>(std::round(value / unit) * unit);
@@ -105,8 +109,12 @@ MergeRadius default_merge_radius(const SeenSurfaces& seen, double scene_radius) 
   return {three_digits(seen.footprint), "a thousandth of the picture's height"};
 }
 
+float radius_of_share(float share, const SeenSurfaces& seen, double scene_radius) {
+  return three_digits(std::min(double{share}, 1.0) * extent_of(seen, scene_radius));
+}
+
 MergeRadius given_merge_radius(float metres, const SeenSurfaces& seen, double scene_radius) {
-  const double extent = seen.extent > 0 ? seen.extent : scene_radius;
+  const double extent = extent_of(seen, scene_radius);
   if (metres > LARGEST_GIVEN_RADIUS * extent)
     return {three_digits(LARGEST_GIVEN_RADIUS * extent), "given, clamped to 10 % of the extent seen"};
   if (metres < LEAST_GIVEN_RADIUS * extent)

@@ -38,6 +38,10 @@ struct MergeRadius {
 /// Where none is given: the footprint, at most LARGEST_DEFAULT_RADIUS of the extent.
 MergeRadius default_merge_radius(const SeenSurfaces& seen, double scene_radius);
 
+/// In metres, where a share of the extent is asked for; all of it at most. Where nothing is seen, of the
+/// scene's radius.
+float radius_of_share(float share, const SeenSurfaces& seen, double scene_radius);
+
 /// Where `metres` are asked for (finite, above 0): those, kept between LEAST_GIVEN_RADIUS and
 /// LARGEST_GIVEN_RADIUS of the extent.
 MergeRadius given_merge_radius(float metres, const SeenSurfaces& seen, double scene_radius);

@@ -86,8 +86,13 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface*
 
 /// A surface point as single precision has it.
 void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
-  for (int axis = 0; axis < 4; ++axis)
-    surface.uv[axis] = rounding.moved(surface.uv[axis], 2 * UNIT_ROUNDOFF * std::abs(surface.uv[axis]));
+  const auto move = [&](double& value) {
+    value = rounding.moved(value, 2 * UNIT_ROUNDOFF * std::abs(value));
+  };
+  move(surface.uv.own.x);
+  move(surface.uv.own.y);
+  move(surface.uv.weights.x);
+  move(surface.uv.weights.y);
   for (int axis = 0; axis < 3; ++axis)
     surface.shading_normal[axis] = rounding.moved(surface.shading_normal[axis], 2 * UNIT_ROUNDOFF);
   surface.shading_normal = normalize(surface.shading_normal);

@@ -187,7 +187,7 @@ dvec3 World::mapped_normal(const Surface& surface, const scene::PlacedTriangle& 
   return missing > 0 ? normalize(mapped + missing * surface.geometric_normal) : mapped;
 }
 
-glm::dvec4 World::texture_at(uint32_t index, const glm::dvec4& uv) const {
+glm::dvec4 World::texture_at(uint32_t index, const scene::TextureCoordinates& uv) const {
   if (index == INVALID_INDEX) return glm::dvec4(1);
   return scene::sample_texture(scene_, scene_.textures[index], uv);
 }

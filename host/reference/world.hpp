@@ -10,6 +10,7 @@
 #include "reference/traversal.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene.hpp"
+#include "scene/texture.hpp"
 
 namespace regulus::reference {
 
@@ -19,8 +20,8 @@ struct Surface {
   glm::dvec3 geometric_normal{0};
   glm::dvec3 shading_normal{0};  ///< in the hemisphere of geometric_normal
   glm::dvec3 coat_normal{0};     ///< of the clearcoat likewise, where it is not shading_normal; else 0
-  glm::dvec4 uv{0};              ///< see scene::texture_coordinates
-  glm::dvec4 color{1};           ///< vertex colour
+  scene::TextureCoordinates uv;
+  glm::dvec4 color{1};  ///< vertex colour
   /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
   /// Zero if the material is isotropic.
   glm::dvec3 tangent{0};
@@ -99,7 +100,7 @@ class World {
   void set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
   /// Between the vertices, not normalized; w: sign of the bitangent.
   glm::dvec4 tangent_at(const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
-  glm::dvec4 texture_at(uint32_t index, const glm::dvec4& uv) const;
+  glm::dvec4 texture_at(uint32_t index, const scene::TextureCoordinates& uv) const;
 
   const scene::Scene& scene_;
   Traversal traversal_;

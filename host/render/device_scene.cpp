@@ -65,7 +65,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
       vertex_colors_(gpu::upload_new(device, scene.vertex_colors, "vertex colours")),
-      vertex_uvs_(gpu::upload_new(device, scene.vertex_uvs, "second texture coordinates")),
+      vertex_uvs_(gpu::upload_new(device, scene.vertex_uvs, "further texture coordinates")),
       vertex_tangents_(gpu::upload_new(device, scene.vertex_tangents, "vertex tangents")),
       triangles_(gpu::upload_new(device, scene.triangles, "triangles")),
       instances_(gpu::upload_new(device, scene.instances, "instances")),
@@ -88,6 +88,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
           scene.lights,
           [](const interface::Light& light) { return light.kind == interface::LIGHT_ENVIRONMENT; })),
       light_count_(static_cast<uint32_t>(scene.lights.size())),
+      vertex_uv_sets_(scene.vertex_uv_sets),
       stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
@@ -104,6 +105,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.vertices = address(vertices_);
   frame.vertex_colors = address(vertex_colors_);
   frame.vertex_uvs = address(vertex_uvs_);
+  frame.vertex_uv_sets = vertex_uv_sets_;
   frame.vertex_tangents = address(vertex_tangents_);
   frame.triangles = address(triangles_);
   frame.instances = address(instances_);

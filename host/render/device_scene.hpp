@@ -32,7 +32,7 @@ class DeviceScene {
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
   bool has_environment_;
-  uint32_t light_count_, stored_triangles_, instance_block_shift_;
+  uint32_t light_count_, vertex_uv_sets_, stored_triangles_, instance_block_shift_;
   glm::vec3 center_;
   float radius_;
 };

@@ -154,7 +154,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_TEXTURES, "textures", "texture look-ups of materials and emitters"},
       FeatureDescription{FEATURE_TEXTURE_MAPPINGS, "texture_mappings",
                          "coordinates that differ between textures"},
-      FeatureDescription{FEATURE_SECOND_UVS, "second_uvs", "a second set of texture coordinates"},
+      FeatureDescription{FEATURE_UV_SETS, "uv_sets",
+                         "materials with more than one set of texture coordinates"},
       FeatureDescription{FEATURE_SPECULAR_TEXTURES, "specular_textures", "textures of specular reflection"},
       FeatureDescription{FEATURE_WIDE_TEXELS, "wide_texels", "texels of 16 bits a channel"},
       FeatureDescription{FEATURE_TRIANGLE_LIGHTS, "triangle_lights",
@@ -204,7 +205,8 @@ Features find_features(const Scene& scene) {
   for (const interface::Texture& texture : scene.textures) {
     if ((texture.flags & interface::TEXTURE_MAPPED) != 0)
       features.bits |= interface::FEATURE_TEXTURE_MAPPINGS;
-    if ((texture.flags & interface::TEXTURE_SECOND_UVS) != 0) features.bits |= interface::FEATURE_SECOND_UVS;
+    if ((texture.flags >> interface::TEXTURE_SET_SHIFT & interface::TEXTURE_SET_MASK) != 0)
+      features.bits |= interface::FEATURE_UV_SETS;
     if ((texture.flags & (interface::TEXTURE_UNORM16 | interface::TEXTURE_HALF)) != 0)
       features.bits |= interface::FEATURE_WIDE_TEXELS;
   }

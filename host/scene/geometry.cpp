@@ -10,6 +10,7 @@
 #include "scene/material.hpp"
 #include "scene/placement.hpp"
 #include "scene/primitive.hpp"
+#include "scene/uv_mapping.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -207,7 +208,7 @@ class GeometryBuilder {
       scene_.triangles.resize(triangles);
       // These may end before the last vertex: only what is there.
       shorten(scene_.vertex_colors, vertices);
-      shorten(scene_.vertex_uvs, vertices);
+      shorten(scene_.vertex_uvs, vertices * scene_.vertex_uv_sets);
       shorten(scene_.vertex_tangents, vertices);
     }
   }
@@ -268,12 +269,15 @@ void require_vertices(Document& document, const std::vector<PlacedNode>& places)
 void add_geometry(Document& document, const std::vector<PlacedNode>& places, const std::vector<Box>& boxes,
                   uint64_t sharing_gain, Scene& scene) {
   warn_of_skipped(document, places);
+  for (const tinygltf::Material& material : document.model.materials)
+    scene.vertex_uv_sets =
+        std::max(scene.vertex_uv_sets, static_cast<uint32_t>(material_uvs(material).further_sets.size()));
   const std::vector<SharedForm> forms = forms_to_share(document, places, boxes);
   GeometryBuilder builder(document, scene, forms);
   builder.store_shared_meshes(choose_shared_meshes(document, places, forms, sharing_gain));
   builder.store_places(places);
   complete_colors(scene);
-  if (!scene.vertex_uvs.empty()) scene.vertex_uvs.resize(scene.vertices.size(), glm::vec2(0));
+  scene.vertex_uvs.resize(scene.vertices.size() * scene.vertex_uv_sets, glm::vec2(0));
   if (!scene.vertex_tangents.empty())
     scene.vertex_tangents.resize(scene.vertices.size(), glm::vec4(1, 0, 0, 1));
   warn_of(builder.tally(), document);

@@ -118,7 +118,8 @@ double TrianglePower::operator()(const interface::Triangle& triangle, double are
     const interface::Texture& texture = scene_.textures[material.emissive_texture];
     glm::vec2 uv[3];
     for (int i = 0; i < 3; ++i)
-      uv[i] = image_coordinates(texture, texture_coordinates(scene_, triangle, {i == 0, i == 1, i == 2}));
+      uv[i] =
+          image_coordinates(scene_, texture, texture_coordinates(scene_, triangle, {i == 0, i == 1, i == 2}));
     const glm::dvec3 largest(brightest(material.emissive_texture, glm::min(uv[0], glm::min(uv[1], uv[2])),
                                        glm::max(uv[0], glm::max(uv[1], uv[2]))));
     radiance = MIN_SHARE_OF_BRIGHTEST * luminance(factor * largest);

@@ -355,8 +355,7 @@ void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
   for (size_t i = 0; i < sources.size(); ++i) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();
-    if (is_used[i])
-      TextureSlots(document, loader, sources[i], material_uvs(document, sources[i], name)).attach(material);
+    if (is_used[i]) TextureSlots(document, loader, sources[i], material_uvs(sources[i])).attach(material);
     material.material_class = classify(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);

@@ -121,12 +121,10 @@ glm::vec3 geometric_normal(const glm::vec3& p0, const glm::vec3& p1, const glm::
   return normal / std::sqrt(length_squared);
 }
 
-MaterialUvs uvs_of(Document& document, const PrimitiveToStore& instance) {
+MaterialUvs uvs_of(const Document& document, const PrimitiveToStore& instance) {
   const int material = primitive_of(document, instance).material;
   if (material < 0) return {};
-  const auto index = static_cast<size_t>(material);
-  const tinygltf::Material& source = document.model.materials[index];
-  return material_uvs(document, source, element_name("material", index, source.name));
+  return material_uvs(document.model.materials[static_cast<size_t>(material)]);
 }
 
 /// TANGENT, if the material needs it; without normals the specification says to ignore it.
@@ -167,7 +165,7 @@ class PrimitiveBuilder {
         normals_(attribute(document, instance, "NORMAL", TINYGLTF_TYPE_VEC3)),
         material_uvs_(uvs_of(document, instance)),
         uvs_(uv_attribute(material_uvs_.first.set)),
-        second_uvs_(material_uvs_.second_set ? uv_attribute(*material_uvs_.second_set) : std::nullopt),
+        further_uvs_(further_attributes()),
         colors_(color_attribute(document, instance)),
         tangents_(tangent_attribute(document, instance)),
         triangles_(document, instance, positions_.count()),
@@ -182,7 +180,8 @@ class PrimitiveBuilder {
 
   void build() {
     if (!uvs_ && material_uvs_.has_textures) warn_of_missing(material_uvs_.first.set);
-    if (!second_uvs_ && material_uvs_.second_set) warn_of_missing(*material_uvs_.second_set);
+    for (size_t i = 0; i < further_uvs_.size(); ++i)
+      if (!further_uvs_[i]) warn_of_missing(material_uvs_.further_sets[i]);
     if (triangles_.leftover() != 0)
       document_.warn(fmt::format("{}: the last {} indices make no triangle and are ignored",
                                  instance_name(document_, instance_), triangles_.leftover()));
@@ -212,6 +211,12 @@ class PrimitiveBuilder {
 
   std::optional<MorphedAttribute> uv_attribute(int set) const {
     return attribute(document_, instance_, fmt::format("TEXCOORD_{}", set), TINYGLTF_TYPE_VEC2);
+  }
+
+  std::vector<std::optional<MorphedAttribute>> further_attributes() const {
+    std::vector<std::optional<MorphedAttribute>> attributes;
+    for (const int set : material_uvs_.further_sets) attributes.push_back(uv_attribute(set));
+    return attributes;
   }
 
   void warn_of_missing(int set) {
@@ -262,9 +267,11 @@ class PrimitiveBuilder {
   void add_vertex(uint64_t source, const VertexFrame& frame, const glm::vec3& world_position,
                   const glm::vec3& world_normal) {
     scene_.vertices.push_back({world_position, world_normal, uv(uvs_, material_uvs_.first, source)});
-    if (second_uvs_) {
-      scene_.vertex_uvs.resize(scene_.vertices.size() - 1, glm::vec2(0));
-      scene_.vertex_uvs.push_back(uv(second_uvs_, {}, source));
+    if (!further_uvs_.empty()) {
+      scene_.vertex_uvs.resize(scene_.vertices.size() * scene_.vertex_uv_sets, glm::vec2(0));
+      const size_t first = scene_.vertex_uvs.size() - scene_.vertex_uv_sets;
+      for (size_t i = 0; i < further_uvs_.size(); ++i)
+        scene_.vertex_uvs[first + i] = uv(further_uvs_[i], {}, source);
     }
     if (colors_) {
       scene_.vertex_colors.resize(scene_.vertices.size() - 1, glm::vec4(1));
@@ -369,7 +376,8 @@ class PrimitiveBuilder {
   MorphedAttribute positions_;
   std::optional<MorphedAttribute> normals_;
   MaterialUvs material_uvs_;
-  std::optional<MorphedAttribute> uvs_, second_uvs_;
+  std::optional<MorphedAttribute> uvs_;
+  std::vector<std::optional<MorphedAttribute>> further_uvs_;
   std::optional<MorphedAttribute> colors_;
   std::optional<MorphedAttribute> tangents_;
   TriangleList triangles_;
@@ -420,11 +428,11 @@ void add_size(const Document& document, const PrimitiveToStore& instance, Size& 
   size.triangles += triangles;
   size.vertices += attributes.count("NORMAL") != 0 ? positions.count() : 3 * triangles;
   size.has_colors = size.has_colors || attributes.count("COLOR_0") != 0;
-  size.has_second_uvs = size.has_second_uvs || attributes.count("TEXCOORD_1") != 0;
   const int material = primitive_of(document, instance).material;
   if (material < 0) return;
   const tinygltf::Material& source = document.model.materials[static_cast<size_t>(material)];
   size.has_tangents = size.has_tangents || needs_tangents(source);
+  size.uv_sets = std::max(size.uv_sets, material_uvs(source).further_sets.size());
   size.lights += may_emit(source) ? triangles : 0;
 }
 

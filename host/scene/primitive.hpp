@@ -48,12 +48,13 @@ Box primitive_box(const Document& document, const PrimitiveToStore& primitive);
 struct Size {
   uint64_t triangles = 0, vertices = 0;
   uint64_t lights = 0;  ///< triangles that may emit
-  bool has_colors = false, has_tangents = false, has_second_uvs = false;
+  bool has_colors = false, has_tangents = false;
+  size_t uv_sets = 0;  ///< beside the first
 
   uint64_t bytes() const {
     return triangles * sizeof(interface::Triangle) +
            vertices * (sizeof(interface::Vertex) + (has_colors ? sizeof(glm::vec4) : 0) +
-                       (has_tangents ? sizeof(glm::vec4) : 0) + (has_second_uvs ? sizeof(glm::vec2) : 0));
+                       (has_tangents ? sizeof(glm::vec4) : 0) + uv_sets * sizeof(glm::vec2));
   }
   /// With the acceleration structure and the lights, and what building them takes for a time.
   uint64_t bytes_to_prepare() const { return bytes() + triangles * BYTES_OF_TREE + lights * BYTES_OF_LIGHT; }

@@ -83,7 +83,8 @@ struct Scene {
   glm::dvec3 origin{0};
   std::vector<interface::Vertex> vertices;
   std::vector<glm::vec4> vertex_colors;    ///< one per vertex, linear RGBA in [0, 1]; empty: all white
-  std::vector<glm::vec2> vertex_uvs;       ///< one per vertex: second texture coordinates; empty: not needed
+  std::vector<glm::vec2> vertex_uvs;       ///< vertex_uv_sets per vertex: further texture coordinates
+  uint32_t vertex_uv_sets = 0;             ///< how many sets some material reads beside its first
   std::vector<glm::vec4> vertex_tangents;  ///< one per vertex, see Frame; empty: no material needs them
   /// `light` is filled by build_lights. First those of the shared meshes.
   std::vector<interface::Triangle> triangles;

@@ -104,8 +104,7 @@ void set_image_direction(const std::array<interface::Vertex, 3>& corners, const 
 /// A vertex of the scene with the coordinates of the image.
 interface::Vertex placed_vertex(const Scene& scene, uint32_t index, const interface::Texture& placement) {
   interface::Vertex vertex = scene.vertices[index];
-  const glm::dvec2 second(index < scene.vertex_uvs.size() ? scene.vertex_uvs[index] : glm::vec2(0));
-  vertex.uv = image_coordinates(placement, glm::dvec4(glm::dvec2(vertex.uv), second));
+  vertex.uv = image_coordinates(scene, placement, {glm::dvec2(vertex.uv), glm::uvec3(index), {1, 0, 0}});
   return vertex;
 }
 
@@ -213,9 +212,11 @@ class TangentWriter {
       scene_.vertex_colors.resize(copy, glm::vec4(1));
       scene_.vertex_colors.emplace_back(glm::vec4(scene_.vertex_colors[vertex]));
     }
-    if (scene_.vertex_uvs.size() > vertex) {
-      scene_.vertex_uvs.resize(copy, glm::vec2(0));
-      scene_.vertex_uvs.emplace_back(glm::vec2(scene_.vertex_uvs[vertex]));
+    const size_t sets = scene_.vertex_uv_sets;
+    if (scene_.vertex_uvs.size() > sets * vertex) {
+      scene_.vertex_uvs.resize(sets * (size_t{copy} + 1), glm::vec2(0));
+      std::copy_n(scene_.vertex_uvs.begin() + static_cast<ptrdiff_t>(sets * vertex), sets,
+                  scene_.vertex_uvs.end() - static_cast<ptrdiff_t>(sets));
     }
     copies.push_back(copy);
     return copy;

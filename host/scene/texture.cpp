@@ -208,29 +208,34 @@ std::pair<float, float> channel_range(const Scene& scene, const interface::Textu
   return range;
 }
 
-glm::dvec4 texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
-                               const glm::dvec3& weights) {
-  const uint32_t corners[3] = {triangle.v0, triangle.v1, triangle.v2};
-  glm::dvec4 sum(0);
-  for (int i = 0; i < 3; ++i) {
-    const glm::vec2 second = scene.vertex_uvs.empty() ? glm::vec2(0) : scene.vertex_uvs[corners[i]];
-    sum += weights[i] * glm::dvec4(glm::dvec2(scene.vertices[corners[i]].uv), glm::dvec2(second));
-  }
-  return sum;
+TextureCoordinates texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
+                                       const glm::dvec3& weights) {
+  const glm::uvec3 corners(triangle.v0, triangle.v1, triangle.v2);
+  glm::dvec2 own(0);
+  for (int i = 0; i < 3; ++i) own += weights[i] * glm::dvec2(scene.vertices[corners[i]].uv);
+  return {own, corners, weights};
 }
 
-glm::dvec2 image_coordinates(const interface::Texture& texture, const glm::dvec4& coordinates) {
-  const bool is_second = (texture.flags & interface::TEXTURE_SECOND_UVS) != 0;
-  const glm::dvec2 uv = is_second ? glm::dvec2(coordinates.z, coordinates.w) : glm::dvec2(coordinates);
+glm::dvec2 image_coordinates(const Scene& scene, const interface::Texture& texture,
+                             const TextureCoordinates& coordinates) {
+  glm::dvec2 uv = coordinates.own;
+  const uint32_t set = texture.flags >> interface::TEXTURE_SET_SHIFT & interface::TEXTURE_SET_MASK;
+  if (set != 0) {
+    uv = glm::dvec2(0);
+    for (int i = 0; i < 3; ++i) {
+      const size_t first = size_t{coordinates.corners[i]} * scene.vertex_uv_sets;
+      uv += coordinates.weights[i] * glm::dvec2(scene.vertex_uvs[first + set - 1]);
+    }
+  }
   if ((texture.flags & interface::TEXTURE_MAPPED) == 0) return uv;
   return {glm::dot(glm::dvec3(texture.map_u), glm::dvec3(uv, 1)),
           glm::dot(glm::dvec3(texture.map_v), glm::dvec3(uv, 1))};
 }
 
 glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture,
-                         const glm::dvec4& coordinates) {
+                         const TextureCoordinates& coordinates) {
   // Coordinates beyond this have no fraction left in single precision.
-  const glm::dvec2 bounded = glm::clamp(image_coordinates(texture, coordinates), -1e7, 1e7);
+  const glm::dvec2 bounded = glm::clamp(image_coordinates(scene, texture, coordinates), -1e7, 1e7);
   const glm::dvec2 position = bounded * glm::dvec2(texture.width, texture.height);
   if ((texture.flags & interface::TEXTURE_NEAREST) != 0)
     return texel(scene, texture, static_cast<int64_t>(std::floor(position.x)),

@@ -75,17 +75,24 @@ glm::vec4 texel(const Scene& scene, const interface::Texture& texture, int64_t x
 /// Least and largest value of a channel (0 to 3) of a texture, as linear.
 std::pair<float, float> channel_range(const Scene& scene, const interface::Texture& texture, int channel);
 
-/// Both texture coordinates between the vertices of a triangle, .zw the second set (0 if the scene has none).
-/// The weights of its vertices sum to 1.
-glm::dvec4 texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
-                               const glm::dvec3& weights);
+/// What textures find their coordinates with at a point of a triangle.
+struct TextureCoordinates {
+  glm::dvec2 own{0};      ///< between the vertices' own
+  glm::uvec3 corners{0};  ///< vertices, whose further sets are read
+  glm::dvec3 weights{0};  ///< of the corners
+};
+
+/// Between the vertices of a triangle, whose weights sum to 1.
+TextureCoordinates texture_coordinates(const Scene& scene, const interface::Triangle& triangle,
+                                       const glm::dvec3& weights);
 
 /// Where a texture is looked up (glTF: (0, 0) is the top left corner of the image) at a point with these
-/// coordinates.
-glm::dvec2 image_coordinates(const interface::Texture& texture, const glm::dvec4& coordinates);
+/// coordinates. Of a texture that reads a further set, the corners must be vertices of the scene.
+glm::dvec2 image_coordinates(const Scene& scene, const interface::Texture& texture,
+                             const TextureCoordinates& coordinates);
 
 /// The texture at a point with these coordinates, bilinear or nearest as its flags say.
 glm::vec4 sample_texture(const Scene& scene, const interface::Texture& texture,
-                         const glm::dvec4& coordinates);
+                         const TextureCoordinates& coordinates);
 
 }  // namespace regulus::scene

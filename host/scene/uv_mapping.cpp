@@ -1,7 +1,5 @@
 #include "scene/uv_mapping.hpp"
 
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -101,7 +99,9 @@ interface::Texture MaterialUvs::placement(const UvMapping& mapping) const {
   placed.map_u = {1, 0, 0};
   placed.map_v = {0, 1, 0};
   if (mapping == first) return placed;
-  if (second_set == mapping.set) placed.flags |= interface::TEXTURE_SECOND_UVS;
+  const auto further = std::ranges::find(further_sets, mapping.set);
+  if (further != further_sets.end())
+    placed.flags = static_cast<uint32_t>(further - further_sets.begin() + 1) << interface::TEXTURE_SET_SHIFT;
   if (is_plain(mapping)) return placed;
   placed.flags |= interface::TEXTURE_MAPPED;
   const double c = std::cos(mapping.rotation), s = std::sin(mapping.rotation);
@@ -110,7 +110,7 @@ interface::Texture MaterialUvs::placement(const UvMapping& mapping) const {
   return placed;
 }
 
-MaterialUvs material_uvs(Document& document, const tinygltf::Material& material, const std::string& name) {
+MaterialUvs material_uvs(const tinygltf::Material& material) {
   const std::vector<UvMapping> mappings = mappings_of(material);
   MaterialUvs uvs;
   const TextureUse of_base = texture_use(material.normalTexture);
@@ -123,14 +123,10 @@ MaterialUvs material_uvs(Document& document, const tinygltf::Material& material,
   if (std::ranges::all_of(mappings, [&](const UvMapping& mapping) { return mapping == uvs.first; }))
     return uvs;
   uvs.first = UvMapping{mappings.front().set};
-  for (const UvMapping& mapping : mappings) {
-    if (mapping.set == uvs.first.set || mapping.set == uvs.second_set) continue;
-    if (uvs.second_set)
-      document.warn(fmt::format(
-          "{}: its textures use more than two sets of coordinates; those of a third use the first", name));
-    else
-      uvs.second_set = mapping.set;
-  }
+  for (const UvMapping& mapping : mappings)
+    if (mapping.set != uvs.first.set &&
+        std::ranges::find(uvs.further_sets, mapping.set) == uvs.further_sets.end())
+      uvs.further_sets.push_back(mapping.set);
   return uvs;
 }
 

@@ -2,8 +2,7 @@
 #pragma once
 
 #include <glm/glm.hpp>
-#include <optional>
-#include <string>
+#include <vector>
 
 #include "interface/scene.h"
 #include "scene/document.hpp"
@@ -40,8 +39,8 @@ TextureUse texture_use(const tinygltf::Material& material, const char* extension
 /// each texture maps them.
 struct MaterialUvs {
   bool has_textures = false;
-  UvMapping first;                ///< applied to the vertices' first coordinates
-  std::optional<int> second_set;  ///< TEXCOORD_n of their second coordinates
+  UvMapping first;                ///< applied to the vertices' own coordinates
+  std::vector<int> further_sets;  ///< TEXCOORD_n of their further coordinates
   UvMapping of_normals;  ///< of the normal texture, or else the clearcoat's, relative to the sets of the file
 
   /// How a texture finds its coordinates from the vertices': the flags and rows of interface::Texture, the
@@ -49,8 +48,7 @@ struct MaterialUvs {
   interface::Texture placement(const UvMapping& mapping) const;
 };
 
-/// Of the textures that are read. More than two sets are beyond vertices: textures of a third use the first,
-/// with a warning that names the material.
-MaterialUvs material_uvs(Document& document, const tinygltf::Material& material, const std::string& name);
+/// Of the textures that are read.
+MaterialUvs material_uvs(const tinygltf::Material& material);
 
 }  // namespace regulus::scene

@@ -108,10 +108,13 @@ REGULUS_CONSTANT TEXTURE_WRAP_MIRROR = 2u;
 REGULUS_CONSTANT TEXTURE_WRAP_T_SHIFT = 2u;
 REGULUS_CONSTANT TEXTURE_NEAREST = 16u;
 REGULUS_CONSTANT TEXTURE_MAPPED = 32u;      // map_u and map_v are not the identity
-REGULUS_CONSTANT TEXTURE_SECOND_UVS = 64u;  // reads the vertices' second coordinates
 REGULUS_CONSTANT TEXTURE_UNORM16 = 128u;    // texels are fractions of 65535
 REGULUS_CONSTANT TEXTURE_HALF = 256u;       // texels are half floats
 REGULUS_CONSTANT TEXTURE_SRGB = 512u;       // RGB are sRGB codes of 8 bits: what holds colours, if it is not 16 bits wide
+
+// And the set of coordinates: 0 the vertices' own, n the n-th of Frame.vertex_uvs.
+REGULUS_CONSTANT TEXTURE_SET_SHIFT = 10u;
+REGULUS_CONSTANT TEXTURE_SET_MASK = 15u;
 
 // An image as plain memory (dynamic indexing of image arrays does not exist on stock lavapipe): row-major from the top
 // row, RGBA texels. Most have one word of 8-bit codes, red lowest (interface/srgb.h); with TEXTURE_UNORM16 or

@@ -93,7 +93,7 @@ REGULUS_CONSTANT FEATURE_ALPHA = 1u << 18;          // some surface is masked or
 REGULUS_CONSTANT FEATURE_CLEARCOAT = 1u << 19;      // some material has a clearcoat
 REGULUS_CONSTANT FEATURE_ANISOTROPY = 1u << 20;     // some material is anisotropic
 REGULUS_CONSTANT FEATURE_TEXTURE_MAPPINGS = 1u << 21;   // some texture is TEXTURE_MAPPED
-REGULUS_CONSTANT FEATURE_SECOND_UVS = 1u << 22;         // some texture reads the vertices' second coordinates
+REGULUS_CONSTANT FEATURE_UV_SETS = 1u << 22;            // some texture reads further coordinates of the vertices
 REGULUS_CONSTANT FEATURE_SPECULAR_TEXTURES = 1u << 23;  // some material's specular reflection is textured
 REGULUS_CONSTANT FEATURE_WIDE_TEXELS = 1u << 30;        // some texture is TEXTURE_UNORM16 or TEXTURE_HALF
 REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored once for several copies
@@ -283,7 +283,7 @@ struct Frame {
   DeviceAddress bvh_triangles;
   DeviceAddress vertices;
   DeviceAddress vertex_colors;   // vec4 per vertex, linear RGBA; only with FEATURE_VERTEX_COLORS
-  DeviceAddress vertex_uvs;      // vec2 per vertex: second texture coordinates; only with FEATURE_SECOND_UVS
+  DeviceAddress vertex_uvs;      // vertex_uv_sets vec2 per vertex: further texture coordinates; only with FEATURE_UV_SETS
   DeviceAddress vertex_tangents; // vec4 per vertex: unit tangent, sign of the bitangent; only if a material needs them
   DeviceAddress triangles;
   DeviceAddress instances;        // only with FEATURE_INSTANCES
@@ -363,8 +363,9 @@ struct Frame {
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
+  uint vertex_uv_sets;
 };
-REGULUS_LAYOUT(Frame, 656);
+REGULUS_LAYOUT(Frame, 660);
 
 // Push constants of every stage.
 struct StageArguments {

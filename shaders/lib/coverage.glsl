@@ -13,10 +13,10 @@ float coverage_at(Frame frame, Triangle triangle, vec2 barycentrics) {
   if ((material.flags & (MATERIAL_ALPHA_MASK | MATERIAL_ALPHA_BLEND)) == 0u) return 1.0;
   float alpha = material.alpha * vertex_color(frame, triangle, barycentrics).a;
   if ((spec_features & FEATURE_TEXTURES) != 0u && material.alpha_texture != INVALID_INDEX) {
-    vec4 uv = texture_coordinates(frame, triangle, LOAD(VertexBuffer, frame.vertices, triangle.v0).uv,
-                                  LOAD(VertexBuffer, frame.vertices, triangle.v1).uv,
-                                  LOAD(VertexBuffer, frame.vertices, triangle.v2).uv, barycentrics);
-    alpha *= sample_texture(frame.textures, material.alpha_texture, uv).a;
+    TextureCoordinates uv = texture_coordinates(triangle, LOAD(VertexBuffer, frame.vertices, triangle.v0).uv,
+                                                LOAD(VertexBuffer, frame.vertices, triangle.v1).uv,
+                                                LOAD(VertexBuffer, frame.vertices, triangle.v2).uv, barycentrics);
+    alpha *= sample_texture(frame, material.alpha_texture, uv).a;
   }
   if ((material.flags & MATERIAL_ALPHA_MASK) != 0u) return alpha >= material.alpha_cutoff ? 1.0 : 0.0;
   return alpha;

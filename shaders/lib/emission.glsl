@@ -29,7 +29,7 @@ Emission emit_from_triangle(Frame frame, Light light, vec2 u_position, vec2 u_di
   Vertex v0 = LOAD(VertexBuffer, frame.vertices, triangle.v0);
   Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
   Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
-  vec4 uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);
+  TextureCoordinates uv = texture_coordinates(triangle, v0.uv, v1.uv, v2.uv, barycentrics);
   Material material = LOAD(MaterialBuffer, frame.materials, light.material);
 
   Emission emission;

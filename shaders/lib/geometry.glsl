@@ -6,6 +6,7 @@
 #include "lib/buffers.glsl"
 #include "lib/instances.glsl"
 #include "lib/specialization.glsl"
+#include "lib/texture_coordinates.glsl"
 
 // The next float away from zero in the direction of `sign_of`'s sign, componentwise (Pharr et al., PBR 4ed,
 // section 6.8.6); 0 stays within one denormal.
@@ -73,25 +74,13 @@ vec4 vertex_color(Frame frame, Triangle triangle, vec2 barycentrics) {
          barycentrics.y * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v2);
 }
 
-// Both texture coordinates between the vertices of a triangle: TEXCOORD sets as the textures read them, .zw the second, 0 if
-// the scene has none.
-vec4 texture_coordinates(Frame frame, Triangle triangle, vec2 uv0, vec2 uv1, vec2 uv2, vec2 barycentrics) {
-  float b0 = 1.0 - barycentrics.x - barycentrics.y;
-  vec4 uv = vec4(b0 * uv0 + barycentrics.x * uv1 + barycentrics.y * uv2, 0.0, 0.0);
-  if ((spec_features & FEATURE_SECOND_UVS) != 0u)
-    uv.zw = b0 * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v0) +
-            barycentrics.x * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v1) +
-            barycentrics.y * LOAD(Vec2Buffer, frame.vertex_uvs, triangle.v2);
-  return uv;
-}
-
 // Everything shading needs of a hit.
 struct Surface {
   vec3 position;
   float clearance;        // see SurfacePoint
   vec3 geometric_normal;  // unit, front side
   vec3 shading_normal;    // unit, in the hemisphere of geometric_normal
-  vec4 uv;                // see texture_coordinates
+  TextureCoordinates uv;
   vec4 color;             // vertex colour
   uint material;
   uint light;
@@ -149,7 +138,7 @@ Surface surface_at(Frame frame, uint triangle_number, vec2 barycentrics) {
         find_bulge(v0, v1, v2, vec3(b0, barycentrics), sign_of_normals, surface);
     }
   }
-  surface.uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);
+  surface.uv = texture_coordinates(triangle, v0.uv, v1.uv, v2.uv, barycentrics);
   surface.color = vertex_color(frame, triangle, barycentrics);
   surface.material = triangle.material;
   surface.light = triangle.light;

@@ -108,7 +108,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   Vertex v1 = LOAD(VertexBuffer, frame.vertices, triangle.v1);
   Vertex v2 = LOAD(VertexBuffer, frame.vertices, triangle.v2);
   SurfacePoint point = point_on_triangle(v0.position, v1.position, v2.position, barycentrics);
-  vec4 uv = texture_coordinates(frame, triangle, v0.uv, v1.uv, v2.uv, barycentrics);
+  TextureCoordinates uv = texture_coordinates(triangle, v0.uv, v1.uv, v2.uv, barycentrics);
 
   vec3 to_light = point.position - from;
   LightSample result;

@@ -24,7 +24,7 @@ vec3 mapped_normal(Frame frame, uint triangle_number, vec2 barycentrics, Surface
                 barycentrics.x * placed_vertex(frame, placed, placed.triangle.v1).normal +
                 barycentrics.y * placed_vertex(frame, placed, placed.triangle.v2).normal;
   vec4 tangent = vertex_tangent(frame, placed, barycentrics);
-  vec3 map = sample_texture(frame.textures, image, surface.uv).xyz * 2.0 - 1.0;
+  vec3 map = sample_texture(frame, image, surface.uv).xyz * 2.0 - 1.0;
   map.xy *= scale;
   vec3 mapped = map.x * tangent.xyz + (map.y * tangent.w) * cross(normal, tangent.xyz) + map.z * normal;
   if (dot(normal, surface.geometric_normal) < 0.0) mapped = -mapped;

@@ -122,7 +122,7 @@ vec3 ray_origin(ShadingPoint point, vec3 direction) {
 void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics, inout ShadingPoint point) {
   vec2 direction = point.material.anisotropy_direction;
   if ((spec_features & FEATURE_TEXTURES) != 0u && point.material.anisotropy_texture != INVALID_INDEX) {
-    vec3 texel = sample_texture(frame.textures, point.material.anisotropy_texture, point.surface.uv).xyz;
+    vec3 texel = sample_texture(frame, point.material.anisotropy_texture, point.surface.uv).xyz;
     vec2 turned = 2.0 * texel.xy - 1.0;
     direction = vec2(direction.x * turned.x - direction.y * turned.y, direction.x * turned.y + direction.y * turned.x);
     point.material.anisotropy *= texel.z;
@@ -167,7 +167,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.is_turned = (spec_features & FEATURE_SMOOTH_NORMALS) != 0u && !sides_agree(point, wo, to_local(point, wo));
   point.bulge = side * point.surface.bulge;
   point.is_curved = transport == TRANSPORT_RADIANCE && point.bulge > 0.0;
-  apply_textures(frame.textures, point.surface.uv, point.surface.color, point.material);
+  apply_textures(frame, point.surface.uv, point.surface.color, point.material);
   point.bsdf = make_bsdf(point.material, point.is_front);
   bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)

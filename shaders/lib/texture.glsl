@@ -7,6 +7,7 @@
 #include "interface/srgb.h"
 #include "lib/buffers.glsl"
 #include "lib/specialization.glsl"
+#include "lib/texture_coordinates.glsl"
 
 int wrap_texel(int index, int size, uint mode) {
   if (mode == TEXTURE_WRAP_CLAMP) return clamp(index, 0, size - 1);
@@ -37,21 +38,12 @@ vec4 load_texel(Texture image, ivec2 texel, bool is_color) {
   return vec4(code_to_fraction(color.r), code_to_fraction(color.g), code_to_fraction(color.b), alpha);
 }
 
-// Where a texture is looked up (glTF: (0, 0) is the top left corner of the image) at a point with these coordinates.
-vec2 image_coordinates(Texture image, vec4 uv) {
-  vec2 own = uv.xy;
-  if ((spec_features & FEATURE_SECOND_UVS) != 0u && (image.flags & TEXTURE_SECOND_UVS) != 0u) own = uv.zw;
-  if ((spec_features & FEATURE_TEXTURE_MAPPINGS) != 0u && (image.flags & TEXTURE_MAPPED) != 0u)
-    own = vec2(dot(image.map_u, vec3(own, 1.0)), dot(image.map_v, vec3(own, 1.0)));
-  return own;
-}
-
 // Linear RGBA of texture `index` at a point with these coordinates (see texture_coordinates). White if the index is
 // INVALID_INDEX. `is_color`: see load_texel.
-vec4 sample_texels(DeviceAddress textures, uint index, vec4 coordinates, bool is_color) {
+vec4 sample_texels(Frame frame, uint index, TextureCoordinates coordinates, bool is_color) {
   if (index == INVALID_INDEX) return vec4(1.0);
-  Texture image = LOAD(TextureBuffer, textures, index);
-  vec2 uv = image_coordinates(image, coordinates);
+  Texture image = LOAD(TextureBuffer, frame.textures, index);
+  vec2 uv = image_coordinates(frame, image, coordinates);
   // Far outside, float coordinates lose the texel: bring repeating ones near 0 first.
   vec2 near_uv = uv - 2.0 * floor(0.5 * uv);
   bvec2 clamps = bvec2((image.flags & 3u) == TEXTURE_WRAP_CLAMP,
@@ -67,40 +59,40 @@ vec4 sample_texels(DeviceAddress textures, uint index, vec4 coordinates, bool is
 }
 
 // Of a texture that holds data, and of one whose RGB are a colour.
-vec4 sample_texture(DeviceAddress textures, uint index, vec4 coordinates) {
-  return sample_texels(textures, index, coordinates, false);
+vec4 sample_texture(Frame frame, uint index, TextureCoordinates coordinates) {
+  return sample_texels(frame, index, coordinates, false);
 }
-vec4 sample_color_texture(DeviceAddress textures, uint index, vec4 coordinates) {
-  return sample_texels(textures, index, coordinates, true);
+vec4 sample_color_texture(Frame frame, uint index, TextureCoordinates coordinates) {
+  return sample_texels(frame, index, coordinates, true);
 }
 
 // Multiplies the factors of a material by the vertex colour and by their textures at uv.
-void apply_textures(DeviceAddress textures, vec4 uv, vec4 color, inout Material material) {
+void apply_textures(Frame frame, TextureCoordinates uv, vec4 color, inout Material material) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u) material.base_color *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return;
-  material.base_color *= sample_color_texture(textures, material.base_color_texture, uv).rgb;
+  material.base_color *= sample_color_texture(frame, material.base_color_texture, uv).rgb;
   if (spec_material_class == MATERIAL_CLASS_DIFFUSE) return;
-  vec4 metallic_roughness = sample_texture(textures, material.metallic_roughness_texture, uv);
+  vec4 metallic_roughness = sample_texture(frame, material.metallic_roughness_texture, uv);
   material.roughness *= metallic_roughness.g;
   material.metallic *= metallic_roughness.b;
   if ((spec_features & FEATURE_SPECULAR_TEXTURES) != 0u) {
-    material.specular *= sample_texture(textures, material.specular_texture, uv).a;
-    material.specular_color *= sample_color_texture(textures, material.specular_color_texture, uv).rgb;
+    material.specular *= sample_texture(frame, material.specular_texture, uv).a;
+    material.specular_color *= sample_color_texture(frame, material.specular_color_texture, uv).rgb;
   }
   if ((spec_features & FEATURE_CLEARCOAT) != 0u) {
-    material.clearcoat *= sample_texture(textures, material.clearcoat_texture, uv).r;
-    material.clearcoat_roughness *= sample_texture(textures, material.clearcoat_roughness_texture, uv).g;
+    material.clearcoat *= sample_texture(frame, material.clearcoat_texture, uv).r;
+    material.clearcoat_roughness *= sample_texture(frame, material.clearcoat_roughness_texture, uv).g;
   }
   if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
-    material.transmission *= sample_texture(textures, material.transmission_texture, uv).r;
+    material.transmission *= sample_texture(frame, material.transmission_texture, uv).r;
 }
 
 // Radiance a material emits at uv, with its emission factor (or the one of the light that stands for it) and the
 // vertex colour there.
-vec3 emitted_radiance(Frame frame, Material material, vec3 factor, vec4 uv, vec4 color) {
+vec3 emitted_radiance(Frame frame, Material material, vec3 factor, TextureCoordinates uv, vec4 color) {
   if ((spec_features & FEATURE_VERTEX_COLORS) != 0u && (material.flags & MATERIAL_UNLIT) != 0u) factor *= color.rgb;
   if ((spec_features & FEATURE_TEXTURES) == 0u) return factor;
-  return factor * sample_color_texture(frame.textures, material.emissive_texture, uv).rgb;
+  return factor * sample_color_texture(frame, material.emissive_texture, uv).rgb;
 }
 
 #endif

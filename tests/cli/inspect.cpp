@@ -125,6 +125,8 @@ TEST(Inspect, MergeRadiusIsThatOfTheWholePicture) {
   const auto [clamped, warning] = radius({"--size", "4x4", "-s", "1", "--merge-radius", "1e3"},
                                          "given, clamped to 10 % of the extent seen");
   EXPECT_NEAR(clamped, 0.1 * 2 / std::sqrt(2 * M_PI), 0.1 * 2.0 / 32);
+  EXPECT_NEAR(radius({"--size", "4x4", "-s", "1", "--merge-radius", "5%"}, "given").first, 0.5 * clamped,
+              0.005 * clamped);
   EXPECT_EQ(count_lines(warning), 1u);
   EXPECT_NE(warning.find("--merge-radius 1000 m"), std::string::npos) << warning;
 }

@@ -43,6 +43,29 @@ TEST(DeviceRenders, CropsAndClampsAreTheReferences) {
   }
 }
 
+// Four squares, each lit by a black and white texture: the first reads it from left to right (set 0), the
+// others from bottom to top, from right to left and from top to bottom (sets 1 to 3); their other textures
+// read the sets in other orders.
+TEST(DeviceRenders, EveryTextureReadsItsOwnSetOfCoordinates) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  const PreparedScene prepared =
+      prepare(own_scenes().parent_path() / "tests" / "cases" / "uv-sets" / "four-sets.gltf");
+  render::RenderSettings asked = box_filtered(16, 16, 1, 2);
+  asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  const image::Image found = render(prepared, asked).image;
+  const image::Image wanted =
+      check::render_with_reference(prepared.scene, prepared.bvh, asked, [](uint64_t, uint64_t) {
+        return true;
+      }).image;
+  constexpr const char* LIT[] = {".###", ".#..", "#...", "#.##"};
+  for (uint32_t i = 0; i < 16 * 16; ++i) {
+    const uint32_t row = i / 64, column = i % 16 / 4;
+    const bool is_lit = LIT[row][column] == '#';
+    EXPECT_EQ(found.rgb[3 * i], is_lit ? 1.0F : 0.0F) << i;
+    EXPECT_EQ(wanted.rgb[3 * i], is_lit ? 1.0F : 0.0F) << i;
+  }
+}
+
 // Light beyond the range of a film in units of 2^-40, in a room far from its file's origin.
 TEST(DeviceRenders, DimAndBrightRoomsFarAwayAreTheReferences) {
   REGULUS_SKIP_WITHOUT_DEVICE();

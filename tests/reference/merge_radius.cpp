@@ -14,6 +14,7 @@ namespace {
 
 using reference::default_merge_radius;
 using reference::given_merge_radius;
+using reference::radius_of_share;
 using reference::SeenSurfaces;
 
 SeenSurfaces seen_in(const GltfScene& gltf, uint32_t width = 64, uint32_t height = 64) {
@@ -100,6 +101,8 @@ TEST(MergeRadius, IsBoundedByWhatIsSeen) {
   EXPECT_FLOAT_EQ(given_merge_radius(0.05F, {0.004, 1}, 1000).metres, 0.05F);
   EXPECT_FLOAT_EQ(given_merge_radius(1e3F, {0.004, 1}, 1000).metres, 0.1F);
   EXPECT_FLOAT_EQ(given_merge_radius(1e-30F, {0.004, 1}, 1000).metres, 1e-6F);
+  EXPECT_FLOAT_EQ(radius_of_share(0.003F, {0.004, 2}, 1000), 0.006F) << "percent are of what is seen";
+  EXPECT_FLOAT_EQ(radius_of_share(0.003F, {}, 10), 0.03F);
 }
 
 // Means of the picture over independent renders: 2 percent or, so that one seed in ten thousand fails, four

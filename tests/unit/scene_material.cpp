@@ -73,7 +73,7 @@ TEST(SceneMaterial, SpecularReflectionIsTextured) {
   const Scene scene = file.load();
   const interface::Material& material = scene.materials.at(0);
   const auto value = [&](uint32_t texture) {
-    return sample_texture(scene, scene.textures.at(texture), glm::dvec4(0.5));
+    return sample_texture(scene, scene.textures.at(texture), {glm::dvec2(0.5)});
   };
   EXPECT_NEAR(value(material.specular_texture).a, 128 / 255.0, HALF_ERROR);
   // 51 / 255 = 0.2 is encoded: ((0.2 + 0.055) / 1.055)^2.4.
@@ -362,8 +362,7 @@ TEST(SceneTexture, EvaluationWrapsAndInterpolates) {
   scene.images = {words};
   const auto red = [&](uint32_t flags, float u) {
     flags |= interface::TEXTURE_HALF;
-    return sample_texture(scene, interface::Texture{{}, 0, 4, 1, flags, {1, 0, 0}, {0, 1, 0}}, {u, 0.5, 0, 0})
-        .r;
+    return sample_texture(scene, interface::Texture{{}, 0, 4, 1, flags, {1, 0, 0}, {0, 1, 0}}, {{u, 0.5}}).r;
   };
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.125f), 0.0f);  // centre of the first texel
   EXPECT_EQ(red(interface::TEXTURE_WRAP_REPEAT, 0.25f), 0.5f);   // between first and second

@@ -75,22 +75,24 @@ TEST(SceneUvMapping, TheTransformsSetWinsOverTheTextures) {
   EXPECT_EQ(uvs(file.load()), (std::vector<glm::vec2>{{5, 6}, {7, 8}, {9, 10}}));
 }
 
-/// Where the two textures of a material are looked up at the triangle's second vertex.
-std::pair<glm::dvec2, glm::dvec2> looked_up(const Scene& scene) {
+/// Where a texture of the triangle's material is looked up at its second vertex.
+glm::dvec2 at_second_vertex(const Scene& scene, uint32_t interface::Material::*texture) {
   const interface::Triangle& triangle = scene.triangles.at(0);
-  const interface::Material& material = scene.materials.at(triangle.material);
-  const auto at_second_vertex = [&](uint32_t texture) {
-    return image_coordinates(scene.textures.at(texture), texture_coordinates(scene, triangle, {0, 1, 0}));
-  };
-  return {at_second_vertex(material.base_color_texture),
-          at_second_vertex(material.metallic_roughness_texture)};
+  return image_coordinates(scene, scene.textures.at(scene.materials.at(triangle.material).*texture),
+                           texture_coordinates(scene, triangle, {0, 1, 0}));
+}
+
+void expect_at_second_vertex(const Scene& scene, uint32_t interface::Material::*texture,
+                             const glm::dvec2& expected) {
+  const glm::dvec2 actual = at_second_vertex(scene, texture);
+  EXPECT_LT(glm::distance(actual, expected), 1e-6) << actual.x << ' ' << actual.y;
 }
 
 void expect_looked_up(const json& first, const json& second, const glm::dvec2& at_first,
                       const glm::dvec2& at_second) {
-  const auto [a, b] = looked_up(textured(first, second).load());
-  EXPECT_LT(glm::distance(a, at_first), 1e-6) << a.x << ' ' << a.y;
-  EXPECT_LT(glm::distance(b, at_second), 1e-6) << b.x << ' ' << b.y;
+  const Scene scene = textured(first, second).load();
+  expect_at_second_vertex(scene, &interface::Material::base_color_texture, at_first);
+  expect_at_second_vertex(scene, &interface::Material::metallic_roughness_texture, at_second);
 }
 
 // The second vertex is at (1, 0) in the first set and at (7, 8) in the second.
@@ -105,19 +107,49 @@ TEST(SceneUvMapping, EachTextureHasItsOwnCoordinates) {
   expect_looked_up(turned, {{"texCoord", 1}, {"offset", {1, 2}}}, {10, 18}, {8, 10});
   const auto bits = [](const json& a, const json& b) {
     return find_features(textured(a, b).load()).bits &
-           (interface::FEATURE_SECOND_UVS | interface::FEATURE_TEXTURE_MAPPINGS);
+           (interface::FEATURE_UV_SETS | interface::FEATURE_TEXTURE_MAPPINGS);
   };
   EXPECT_EQ(bits(doubled, doubled), 0u);
   EXPECT_EQ(bits(doubled, plain), interface::FEATURE_TEXTURE_MAPPINGS);
-  EXPECT_EQ(bits(plain, other), interface::FEATURE_SECOND_UVS);
+  EXPECT_EQ(bits(plain, other), interface::FEATURE_UV_SETS);
 }
 
-TEST(SceneUvMapping, AbsencesAndAThirdSetAreWarnings) {
+// Four sets and a transform in one material, and a second one whose primitive lacks one of its sets.
+TEST(SceneUvMapping, EveryTextureReadsItsOwnSet) {
+  using interface::Material;
+  Gltf file = textured(json::object(), {{"texCoord", 1}});
+  auto& attributes = file.root["meshes"][0]["primitives"][0]["attributes"];
+  attributes["TEXCOORD_2"] = file.accessor(std::vector<float>{0, 0, 11, 12, 0, 0}, "VEC2", FLOAT);
+  attributes["TEXCOORD_5"] = file.accessor(std::vector<float>{0, 0, 13, 14, 0, 0}, "VEC2", FLOAT);
+  json& material = file.root["materials"][0];
+  material["emissiveTexture"] = {{"index", 0}, {"texCoord", 5}};
+  material["emissiveFactor"] = {1, 1, 1};
+  material["normalTexture"] = {{"index", 0}, {"texCoord", 2}};
+  material["extensions"]["KHR_materials_clearcoat"] = {
+      {"clearcoatFactor", 1},
+      {"clearcoatTexture",
+       {{"index", 0},
+        {"texCoord", 1},
+        {"extensions", {{"KHR_texture_transform", {{"texCoord", 2}, {"offset", {1, 1}}}}}}}}};
+  const Scene scene = file.load();
+  EXPECT_TRUE(scene.warnings.empty());
+  EXPECT_EQ(scene.vertex_uv_sets, 3u);
+  expect_at_second_vertex(scene, &Material::base_color_texture, {1, 0});
+  expect_at_second_vertex(scene, &Material::metallic_roughness_texture, {7, 8});
+  expect_at_second_vertex(scene, &Material::normal_texture, {11, 12});
+  expect_at_second_vertex(scene, &Material::emissive_texture, {13, 14});
+  expect_at_second_vertex(scene, &Material::clearcoat_texture, {12, 13});
+
+  attributes.erase("TEXCOORD_2");
+  const Scene without = file.load();
+  EXPECT_TRUE(has_warning(without, "has no TEXCOORD_2"));
+  expect_at_second_vertex(without, &Material::normal_texture, {0, 0});
+  expect_at_second_vertex(without, &Material::emissive_texture, {13, 14});
+}
+
+TEST(SceneUvMapping, AbsencesAreWarnings) {
   EXPECT_TRUE(has_warning(textured({{"texCoord", 7}}).load(), "has no TEXCOORD_7"));
   EXPECT_TRUE(has_warning(textured(json::object(), {{"texCoord", 7}}).load(), "has no TEXCOORD_7"));
-  Gltf file = textured(json::object(), {{"texCoord", 1}});
-  file.root["materials"][0]["emissiveTexture"] = {{"index", 0}, {"texCoord", 2}};
-  EXPECT_TRUE(has_warning(file.load(), "more than two sets"));
 }
 
 TEST(SceneUvMapping, BrokenTransformsAreErrors) {
