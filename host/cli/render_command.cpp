@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <new>
 #include <optional>
 #include <set>
 
@@ -321,6 +322,9 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
         is_interrupted);
   } catch (const Error& error) {
     failure = error;  // a lost device: what was rendered before is still written
+    if (renderer.film().paths == 0) throw;
+  } catch (const std::bad_alloc&) {
+    failure = Error(ExitStatus::Failed, "out of memory");
     if (renderer.film().paths == 0) throw;
   }
   checkpoint.finish(renderer.film());

@@ -19,6 +19,7 @@
 
 #include "base/error.hpp"
 #include "image/atomic_file.hpp"
+#include "image/exr_header.hpp"
 #include "image/exr_memory.hpp"
 #include "image/image.hpp"
 #include "image/pixel_limit.hpp"
@@ -163,25 +164,6 @@ Attributes string_attributes(const Imf::Header& header) {
   return attributes;
 }
 
-/// Refuses attributes that claim to be longer than the file: the library takes memory for them before it
-/// reads.
-void check_attributes(const fs::path& path, std::istream& stream, const uint64_t file_bytes) {
-  const auto skip_text = [&] {
-    uint64_t length = 0;
-    for (int c = stream.get(); c > 0; c = stream.get()) ++length;
-    return length;
-  };
-  stream.seekg(8);  // magic number and version
-  while (stream && skip_text() > 0) {
-    skip_text();  // its type
-    uint32_t size = 0;
-    for (int shift = 0; shift < 32; shift += 8) size |= static_cast<uint32_t>(stream.get() & 0xFF) << shift;
-    if (!stream || size > file_bytes - static_cast<uint64_t>(stream.tellg()))
-      fail_bad_file(path, "an attribute is longer than the file; it is cut off or corrupt");
-    stream.seekg(size, std::ios::cur);
-  }
-}
-
 /// Makes the constructor of input files refuse huge windows and tiles before it allocates buffers for them.
 void limit_image_size() {
   Imf::Header::setMaxImageSize(MAX_EXTENT, MAX_EXTENT);
@@ -257,7 +239,7 @@ auto open_and_read(const fs::path& path, const Read& read) {
   try {
     limit_image_size();
     std::ifstream header(path, std::ios::binary);
-    check_attributes(path, header, file_bytes);
+    check_exr_header(path, header, file_bytes);
     Imf::InputFile file(path.c_str());
     return read(file, file_bytes);
   } catch (const Error&) {
@@ -310,7 +292,7 @@ auto open_and_decode(const std::string& name, const std::span<const unsigned cha
     {
       const std::string text(bytes.begin(), bytes.end());
       std::istringstream header(text);
-      check_attributes(name, header, bytes.size());
+      check_exr_header(name, header, bytes.size());
       stream.str(text);
     }
     Imf::InputFile file(stream);

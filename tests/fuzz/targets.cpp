@@ -33,6 +33,7 @@ std::filesystem::path as_file(Bytes bytes, const char* extension) {
     return std::filesystem::path(name);
   }();
   const std::filesystem::path file = folder / (std::string("case") + extension);
+  std::filesystem::remove(file);  // some file systems flush a file that is overwritten
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
   return file;
