@@ -263,6 +263,7 @@ gpu::Device& open_device(const RenderOptions& options, Session& session) {
   session.device =
       std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = options.device,
                                                        .software_stage_times = !options.stats.empty(),
+                                                       .kernel_statistics = !options.stats.empty(),
                                                        .memory_bytes = options.memory_bytes});
   const gpu::DeviceInfo& info = session.device->info();
   if (info.kind == gpu::DeviceKind::Software)

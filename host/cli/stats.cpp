@@ -130,6 +130,20 @@ nlohmann::json saturated_json(const render::Film& film) {
   return saturated;
 }
 
+// What the driver tells of the kernels, by its own names.
+nlohmann::json kernels_json(const gpu::Device& device) {
+  nlohmann::json kernels = nlohmann::json::array();
+  for (const gpu::KernelStatistics& told : device.kernel_statistics()) {
+    nlohmann::json values;
+    for (const auto& [name, value] : told.values) values[name] = value;
+    kernels.push_back({{"stage", told.kernel},
+                       {"executable", told.executable},
+                       {"subgroup_size", told.subgroup_size},
+                       {"statistics", values}});
+  }
+  return kernels;
+}
+
 }  // namespace
 
 nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
@@ -150,6 +164,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
             {"device", statistics.device_seconds},
             {"cpu", process_cpu_seconds()}}},
           {"stages", stages_json(settings, scene, statistics)},
+          {"kernels", kernels_json(device)},
           {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
           {"spp_done", statistics.paths / pixels},
           {"samples", statistics.paths},

@@ -29,17 +29,30 @@ bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view na
                      [&](const auto& extension) { return name == extension.extensionName.data(); });
 }
 
-vk::raii::Device open(const Candidate& chosen, bool with_memory_budget) {
+/// Whether the driver tells what it made of a kernel.
+bool can_tell_statistics(const vk::raii::PhysicalDevice& physical) {
+  if (!has_extension(physical, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME)) return false;
+  const auto features = physical.getFeatures2<vk::PhysicalDeviceFeatures2,
+                                              vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>();
+  return features.get<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>().pipelineExecutableInfo !=
+         0;
+}
+
+vk::raii::Device open(const Candidate& chosen, bool with_memory_budget, bool with_statistics) {
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, chosen.queue_family, 1, &priority);
   std::vector<const char*> extensions;
   if (with_memory_budget) extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
+  if (with_statistics) extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
 
-  vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features>
+  vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
+                     vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>
       create;
   create.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue).setPEnabledExtensionNames(extensions);
   create.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 = chosen.info.has_int64;
   create.get<vk::PhysicalDeviceVulkan12Features>().setBufferDeviceAddress(true).setScalarBlockLayout(true);
+  create.get<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>().setPipelineExecutableInfo(true);
+  if (!with_statistics) create.unlink<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>();
   try {
     return {chosen.physical, create.get<vk::DeviceCreateInfo>()};
   } catch (const vk::SystemError& error) {
@@ -71,7 +84,8 @@ DeviceState::DeviceState(const DeviceOptions& options)
   measures_time = is_wanted && info().timestamp_ns > 0;
   memory_bytes = options.memory_bytes != 0 ? options.memory_bytes : std::numeric_limits<uint64_t>::max();
   memory = chosen.physical.getMemoryProperties();
-  device = open(chosen, has_memory_budget);
+  tells_statistics = options.kernel_statistics && can_tell_statistics(chosen.physical);
+  device = open(chosen, has_memory_budget, tells_statistics);
   queue = vk::raii::Queue(device, chosen.queue_family, 0);
   pool = vk::raii::CommandPool(device,
                                {vk::CommandPoolCreateFlagBits::eResetCommandBuffer, chosen.queue_family});
@@ -110,6 +124,9 @@ uint64_t Device::peak_allocated_bytes() const {
 }
 uint64_t Device::free_bytes() const {
   return impl->state->free_bytes();
+}
+const std::vector<KernelStatistics>& Device::kernel_statistics() const {
+  return impl->state->kernel_statistics;
 }
 double Device::pipeline_seconds() const {
   return impl->state->pipeline_seconds;

@@ -120,13 +120,23 @@ class Submission {
   std::unique_ptr<Impl> impl;
 };
 
+/// What a driver tells of one of its executables for a kernel (VK_KHR_pipeline_executable_properties):
+/// registers, spills, shared memory, under the driver's own names.
+struct KernelStatistics {
+  std::string kernel;      ///< the kernel's name
+  std::string executable;  ///< the driver's name of it
+  uint32_t subgroup_size = 0;
+  std::vector<std::pair<std::string, double>> values;
+};
+
 struct DeviceOptions {
   std::string select;          ///< index or part of the name; empty: the first usable device
   bool pipeline_cache = true;  ///< keep compiled pipelines in the user's cache folder
   /// Measure the time of every dispatch on software devices too, where it costs lavapipe about 20 us a
   /// dispatch. Without, their times are 0; other devices are always timed, which costs them nearly nothing.
   bool software_stage_times = true;
-  uint64_t memory_bytes = 0;  ///< most that is ever allocated; 0: what the device has
+  bool kernel_statistics = false;  ///< ask the driver for KernelStatistics, where it can tell them
+  uint64_t memory_bytes = 0;       ///< most that is ever allocated; 0: what the device has
 };
 
 /// An opened device with one compute queue. Not thread-safe.
@@ -160,7 +170,9 @@ class Device {
   uint64_t allocated_bytes() const;       ///< device memory held now
   uint64_t peak_allocated_bytes() const;  ///< the most ever held
   uint64_t free_bytes() const;            ///< estimate of what can still be allocated
-  double pipeline_seconds() const;        ///< time that went by while pipelines were made
+  /// Of every kernel made so far; empty unless asked for and told.
+  const std::vector<KernelStatistics>& kernel_statistics() const;
+  double pipeline_seconds() const;  ///< time that went by while pipelines were made
 
   struct Impl;
   std::unique_ptr<Impl> impl;

@@ -40,7 +40,38 @@ vk::raii::Pipeline compile(const DeviceState& state, const KernelDescription& de
   const vk::SpecializationInfo constants = specialization.info();
   const vk::PipelineShaderStageCreateInfo stage({}, vk::ShaderStageFlagBits::eCompute, *shader, "main",
                                                 &constants);
-  return {state.device, cache, vk::ComputePipelineCreateInfo({}, stage, *state.layout)};
+  const vk::PipelineCreateFlags flags =
+      state.tells_statistics ? vk::PipelineCreateFlagBits::eCaptureStatisticsKHR : vk::PipelineCreateFlags{};
+  return {state.device, cache, vk::ComputePipelineCreateInfo(flags, stage, *state.layout)};
+}
+
+double number_of(const vk::PipelineExecutableStatisticKHR& statistic) {
+  switch (statistic.format) {
+    case vk::PipelineExecutableStatisticFormatKHR::eBool32:
+      return statistic.value.b32;
+    case vk::PipelineExecutableStatisticFormatKHR::eInt64:
+      return static_cast<double>(statistic.value.i64);
+    case vk::PipelineExecutableStatisticFormatKHR::eUint64:
+      return static_cast<double>(statistic.value.u64);
+    case vk::PipelineExecutableStatisticFormatKHR::eFloat64:
+      return statistic.value.f64;
+  }
+  return 0;
+}
+
+/// What the driver tells of a pipeline, an entry for each executable that it made.
+std::vector<KernelStatistics> statistics_of(const DeviceState& state, const std::string& name,
+                                            const vk::raii::Pipeline& pipeline) {
+  std::vector<KernelStatistics> all;
+  const auto executables = state.device.getPipelineExecutablePropertiesKHR(vk::PipelineInfoKHR(*pipeline));
+  for (uint32_t i = 0; i < executables.size(); ++i) {
+    KernelStatistics& one =
+        all.emplace_back(KernelStatistics{name, executables[i].name.data(), executables[i].subgroupSize, {}});
+    for (const vk::PipelineExecutableStatisticKHR& statistic :
+         state.device.getPipelineExecutableStatisticsKHR(vk::PipelineExecutableInfoKHR(*pipeline, i)))
+      one.values.emplace_back(statistic.name.data(), number_of(statistic));
+  }
+  return all;
 }
 
 struct Compiled {
@@ -128,6 +159,9 @@ std::vector<Kernel> Device::create_kernels(std::span<const KernelDescription> de
   auto next = compiled.begin();
   for (const auto& [key, description] : missing) {
     state.has_new_pipelines = state.has_new_pipelines || next->is_stored;
+    if (state.tells_statistics)
+      for (KernelStatistics& told : statistics_of(state, description->name, next->pipeline))
+        state.kernel_statistics.push_back(std::move(told));
     state.pipelines[key] = std::make_shared<vk::raii::Pipeline>(std::move(next++->pipeline));
   }
   std::vector<Kernel> kernels(descriptions.size());

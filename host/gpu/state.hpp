@@ -48,8 +48,9 @@ struct DeviceState {
   std::shared_ptr<Instance> instance;
   Candidate chosen;
   bool has_memory_budget = false;
-  bool measures_time = false;  ///< around every dispatch
-  uint64_t memory_bytes = 0;   ///< most that is ever allocated
+  bool measures_time = false;     ///< around every dispatch
+  bool tells_statistics = false;  ///< the driver tells KernelStatistics, and they are wanted
+  uint64_t memory_bytes = 0;      ///< most that is ever allocated
   vk::PhysicalDeviceMemoryProperties memory;
   vk::raii::Device device{nullptr};
   vk::raii::Queue queue{nullptr};
@@ -65,6 +66,7 @@ struct DeviceState {
   uint64_t allocated_bytes = 0;
   uint64_t peak_allocated_bytes = 0;
   double pipeline_seconds = 0;
+  std::vector<KernelStatistics> kernel_statistics;
   bool is_lost = false;
 
   const DeviceInfo& info() const { return chosen.info; }

@@ -10,9 +10,10 @@ using glm::dvec3;
 
 namespace {
 
-/// |w . n_s| / |w . n_g|.
+/// |w . n_s| / |w . n_g|; 0 along the surface, from where no light arrives.
 double normal_correction(const Surface& surface, const dvec3& w) {
-  return std::abs(dot(w, surface.shading_normal) / dot(w, surface.geometric_normal));
+  const double arrives = dot(w, surface.geometric_normal);
+  return arrives == 0 ? 0 : std::abs(dot(w, surface.shading_normal) / arrives);
 }
 
 /// (n_camera / n_light)^2 of a refraction: n is the index on the side of each direction.

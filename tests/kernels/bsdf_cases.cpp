@@ -194,14 +194,16 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
     return {abs(e.value - base.value), std::abs(e.pdf_forward - base.pdf_forward),
             std::abs(e.pdf_reverse - base.pdf_reverse)};
   };
+  const auto add_larger = [&](const Evaluation& a, const Evaluation& b) {
+    sum.value += max(a.value, b.value);
+    sum.pdf_forward += std::max(a.pdf_forward, b.pdf_forward);
+    sum.pdf_reverse += std::max(a.pdf_reverse, b.pdf_reverse);
+  };
   const auto add_effect = [&](const auto& select) {
     Inputs up = inputs, down = inputs;
     select(up) *= 1 + ulps * 0x1p-23;
     select(down) *= 1 - ulps * 0x1p-23;
-    const Evaluation a = difference_at(up), b = difference_at(down);
-    sum.value += max(a.value, b.value);
-    sum.pdf_forward += std::max(a.pdf_forward, b.pdf_forward);
-    sum.pdf_reverse += std::max(a.pdf_reverse, b.pdf_reverse);
+    add_larger(difference_at(up), difference_at(down));
   };
   // Directions in floats are unit vectors only up to rounding: all components move together.
   Inputs unit = inputs;
@@ -212,6 +214,13 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
     add_effect([axis](Inputs& i) -> double& { return i.wo[axis]; });
     add_effect([axis](Inputs& i) -> double& { return i.wi[axis]; });
   }
+  // Both at once: where both directions are at the critical angle a product stays 0 while either does.
+  Inputs rises = inputs, falls = inputs;
+  rises.wo.z *= 1 + ulps * 0x1p-23;
+  rises.wi.z *= 1 + ulps * 0x1p-23;
+  falls.wo.z *= 1 - ulps * 0x1p-23;
+  falls.wi.z *= 1 - ulps * 0x1p-23;
+  add_larger(difference_at(rises), difference_at(falls));
   add_effect([](Inputs& i) -> double& { return i.parameters.ior; });
   for (int axis = 0; axis < 2; ++axis)
     add_effect([axis](Inputs& i) -> double& { return i.parameters.alpha[axis]; });

@@ -193,6 +193,17 @@ TEST(ReferencePaths, FullContributionIsTheWalksThroughput) {
   EXPECT_LT(worst, 1e-9);
 }
 
+// Points of one plane are connected along it: the cosines of the correction for shading normals are 0 / 0
+// there.
+TEST(ReferencePaths, NothingArrivesAlongASurface) {
+  Surface surface;
+  surface.geometric_normal = surface.shading_normal = {0, 0, 1};
+  BsdfParameters white;
+  white.base_color = dvec3(1);
+  const VertexScattering along = scattering_between(surface, Bsdf(white), {1, 0, 0}, {0, 0, 1}, {}, {});
+  EXPECT_EQ(along.value, dvec3(0));
+}
+
 // The technique list is a function of the path: a path that a light walk finds by a splat lists the same
 // densities as the same vertices found by connecting one edge earlier.
 TEST(ReferencePaths, TechniquesDoNotDependOnHowThePathWasFound) {
