@@ -29,6 +29,7 @@ CLI::Validator one_of(const std::vector<std::string>& names);
 template <typename Map>
 std::vector<std::string> names_of(const Map& map) {
   std::vector<std::string> names;
+  names.reserve(map.size());
   for (const auto& [name, ignored] : map) names.emplace_back(name);
   return names;
 }
