@@ -263,13 +263,22 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
 
 // ---- connections and merges
 
+/// A scene seen through a lens of this radius, m, in focus at 1 m; 0: as it is.
+PreparedScene with_lens(PreparedScene prepared, float radius) {
+  if (radius > 0) {
+    prepared.scene.cameras[0].lens_radius = radius;
+    prepared.scene.cameras[0].focus_distance = 1;
+  }
+  return prepared;
+}
+
 /// An iteration with connections to the cache and merges, regularized or not.
 class CheckedConnections {
  public:
   /// A narrow bound `tau` and wide merges make much of what regularization does.
   explicit CheckedConnections(uint32_t regularization, uint32_t sampler_quality = SAMPLER_QUALITY_OFF,
-                              float tau = 20, float merge_radius = 0.02F)
-      : prepared_(prepare(own_scenes() / "cornell/cornell.gltf")),
+                              float tau = 20, float merge_radius = 0.02F, float lens_radius = 0)
+      : prepared_(with_lens(prepare(own_scenes() / "cornell/cornell.gltf"), lens_radius)),
         world_(prepared_.scene, prepared_.bvh),
         recorder_(*device(), prepared_.scene, prepared_.bvh,
                   settings(regularization, sampler_quality, tau, merge_radius), SIZE * SIZE, VCM),
@@ -343,6 +352,13 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
       {"grid_count", [](auto& r) { ++r.ranks[5]; }},
       {"scan_grid", [](auto& r) { ++r.cell_ends[100]; }},
       {"grid_scatter", [](auto& r) { r.entries[8].vertex = r.entries[9].vertex; }},
+      {"light vertices stored", [](auto& r) { ++r.light_vertices[40].edges; }},
+      {"found by one side only",
+       [](auto& r) {
+         for (auto& splat : r.splats) splat.film *= 1.01F;
+       }},
+      {"found by one side only",
+       [](auto& r) { r.bounces[0].light_samples.resize(r.bounces[0].light_samples.size() - 40); }},
       {"walks followed",
        [](auto& r) {
          for (auto& hit : r.bounces[1].hits) hit.u *= 0.9F;
@@ -381,6 +397,16 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
     for (const Tally& tally : checked.check(spoilt))
       is_found = is_found || (tally.name() == name && !tally.is_passed());
     EXPECT_TRUE(is_found) << "fault in " << name;
+  }
+}
+
+TEST(DeviceConnections, ThroughAThinLensAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  CheckedConnections checked(REGULARIZATION_NONE, SAMPLER_QUALITY_OFF, 20, 0.02F, 0.05F);
+  for (const Tally& tally : checked.check(checked.record())) {
+    std::printf("%s\n", tally.line().c_str());
+    EXPECT_TRUE(tally.is_passed());
   }
 }
 
