@@ -282,6 +282,26 @@ double Bsdf::diffuse_probability(const dvec3& wo) const {
   return facets == 0 ? 1 : diffuse / (diffuse + facets);
 }
 
+/// From inside a solid light leaves by a cone alone, but for what f90 and facets leave of the rest.
+double Bsdf::cone_share(double eta) const {
+  if (eta >= 1) return 0;
+  const double in_cone = (dielectric_.f90 - luminance(dielectric_.f0)) * eta * eta;
+  return in_cone > 0 ? (1 - cover_share_) * in_cone / (in_cone + (1 - dielectric_.f90)) : 0;
+}
+
+double Bsdf::diffuse_pdf(double cosine, double eta) const {
+  const double share = cone_share(eta);
+  const bool is_in_cone = 1 - cosine * cosine < eta * eta;
+  return cosine / pi * (1 - share + (is_in_cone ? share / (eta * eta) : 0));
+}
+
+dvec3 Bsdf::sample_diffuse(const dvec2& u, double eta) const {
+  const double share = cone_share(eta);
+  if (u.x >= share) return sample_cosine_hemisphere({(u.x - share) / (1 - share), u.y});
+  const dvec3 w = eta * sample_cosine_hemisphere({u.x / share, u.y});
+  return {w.x, w.y, std::sqrt(1 - w.x * w.x - w.y * w.y)};
+}
+
 double Bsdf::coat_probability(const dvec3& wo) const {
   const double coat = coat_reflectance(wo);
   if (coat == 0 || to_coat(wo, wo.z < 0).z <= 0) return 0;
@@ -306,7 +326,7 @@ double Bsdf::base_pdf(const dvec3& wo_material, const dvec3& wi_material) const 
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
   if (wo.z == 0 || wi.z == 0) return 0;
   const double p_diffuse = diffuse_probability(wo_material);
-  const double cosine = wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * wi.z / pi : 0;
+  const double cosine = wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * diffuse_pdf(wi.z, eta) : 0;
   if (is_delta()) return cosine;
   if (wi.z < 0 && parameters_.transmission == 0) return 0;
   if (wi.z < 0 && parameters_.is_volume) return (1 - p_diffuse) * refraction_pdf(wo, wi, eta);
@@ -426,7 +446,7 @@ BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec
   const double p_diffuse = diffuse_probability(wo_material);
   BsdfSample result;
   if (u_lobe < p_diffuse) {
-    result.wi = sample_cosine_hemisphere(u);
+    result.wi = sample_diffuse(u, eta);
     result.is_diffuse = true;
   } else {
     double u_choice = (u_lobe - p_diffuse) / (1 - p_diffuse);

@@ -140,6 +140,11 @@ class Bsdf {
   glm::dvec3 compensated_reflectance(double cos_facet, double eta, double camera_z) const;
   /// Of the interface, for the diffuse lobe: at one direction, and its mean over all of that side.
   glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
+  /// Share of the diffuse lobe's samples that are drawn from the cone in which light leaves a solid.
+  double cone_share(double eta) const;
+  /// Of the diffuse lobe's samples, per solid angle.
+  double diffuse_pdf(double cosine, double eta) const;
+  glm::dvec3 sample_diffuse(const glm::dvec2& u, double eta) const;
   glm::dvec3 mean_transmittance(bool is_back) const;
   /// F_d as the diffuse base and the choice of lobes see it: of a rough interface by its own albedo, where
   /// what it loses between facets counts as reflected at normal incidence.

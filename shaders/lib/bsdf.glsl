@@ -155,8 +155,8 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   lobes.diffuse =
       bsdf.diffuse * base_transmittance(bsdf, passage_o) * base_transmittance(bsdf, passage_i) * same_side;
-  lobes.diffuse_forward = diffuse_o * cos_i * same_side;
-  lobes.diffuse_reverse = diffuse_i * cos_o * same_side;
+  lobes.diffuse_forward = diffuse_o * diffuse_density(bsdf, cos_i) * same_side;
+  lobes.diffuse_reverse = diffuse_i * diffuse_density(bsdf, cos_o) * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
     if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
     return lobes;
@@ -376,7 +376,7 @@ const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0)
 
 // Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
 BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
-  vec3 diffuse_wi = sample_cosine_hemisphere(u);
+  vec3 diffuse_wi = sample_diffuse(bsdf, u);
   Encounter facet = reflection_encounter(wo, diffuse_wi);
   vec3 wi = diffuse_wi;
   bool is_diffuse = true;

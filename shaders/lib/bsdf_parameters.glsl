@@ -246,6 +246,34 @@ Bsdf make_bsdf(Material material, bool is_front) {
   return bsdf;
 }
 
+// From inside a solid the diffuse lobe sends light only where its interface lets it out, but for what F_90 and facets leave of
+// the rest: inside a cone whose sine squared is 1 / n^2. This share of its samples are drawn from there; from all directions
+// alone, weights would vary by n^2 at every bounce, without bound along a path.
+float cone_share(Bsdf bsdf) {
+  if (!bsdf_has_transmission() || !(bsdf.excess < 0.0)) return 0.0;
+  float in_cone = (bsdf.f90 - dot(bsdf.f0, LUMINANCE)) / bsdf.inverse_eta_squared;
+  return in_cone > 0.0 ? (1.0 - bsdf.cover) * (in_cone / (in_cone + (1.0 - bsdf.f90))) : 0.0;
+}
+
+// Density of a direction with cosine c among the diffuse lobe's samples, times pi.
+float diffuse_density(Bsdf bsdf, float c) {
+  float share = cone_share(bsdf);
+  if (!(share > 0.0)) return c;
+  bool is_in_cone = (1.0 - c) * (1.0 + c) * bsdf.inverse_eta_squared < 1.0;
+  return c * (1.0 - share + (is_in_cone ? share * bsdf.inverse_eta_squared : 0.0));
+}
+
+vec3 sample_diffuse(Bsdf bsdf, vec2 u) {
+  float share = cone_share(bsdf);
+  if (!(share > 0.0)) return sample_cosine_hemisphere(u);
+  bool is_in_cone = u.x < share;
+  u.x = is_in_cone ? u.x / share : (u.x - share) / (1.0 - share);
+  vec3 w = sample_cosine_hemisphere(min(u, vec2(ONE_MINUS_ULP)));
+  if (!is_in_cone) return w;
+  w.xy *= inversesqrt(bsdf.inverse_eta_squared);
+  return vec3(w.xy, sqrt(1.0 - dot(w.xy, w.xy)));
+}
+
 // Prepares a bsdf for energy compensation (lib/energy.glsl): looks up its tables and lets the diffuse lobe have what a
 // rough interface passes.
 void compensate_energy(DeviceAddress tables, Material material, inout Bsdf bsdf) {

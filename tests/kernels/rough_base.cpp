@@ -36,6 +36,8 @@ constexpr double ALBEDO[5][5] = {{0.0400, 0.0397, 0.0370, 0.0286, 0.0127},
 constexpr double TABLE_ERROR = 2e-3;
 constexpr uint32_t SAMPLES = 1u << 16;
 constexpr double SAMPLING_ERROR = 1.5e-3;  // of the R3 sequence with so many points
+// From inside the integrand jumps where total reflection begins.
+constexpr double JUMP_ERROR = 4e-3;
 
 constexpr Model GGX_SOLID{NDF_GGX, SHADOWING_SMITH, MATERIAL_CLASS_TRANSMISSIVE};
 
@@ -132,7 +134,7 @@ TEST(RoughBase, CreatesNoLight) {
     const size_t place = static_cast<size_t>(found - all.begin());
     std::printf("%-20s at most %.5f, at roughness %.2f and cosine %.2f\n", kind.name, most,
                 roughness[place / cosines.size()], cosines[place % cosines.size()]);
-    EXPECT_LT(most, 1 + TABLE_ERROR + SAMPLING_ERROR) << kind.name;
+    EXPECT_LT(most, 1 + TABLE_ERROR + SAMPLING_ERROR + (kind.is_front ? 0 : JUMP_ERROR)) << kind.name;
   }
 }
 
@@ -160,7 +162,6 @@ TEST(RoughBase, IsReciprocal) {
 // feel.
 TEST(RoughBase, HalfClearSolidsKeepAllLightOnBothSides) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  constexpr double JUMP_ERROR = 4e-3;
   Material half = plain_material(Kind::Solid, 0);
   half.transmission = 0.5f;
   const std::vector<double> cosines = {0.05, 0.3, 0.7, 0.9, 1};
