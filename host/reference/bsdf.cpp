@@ -128,10 +128,15 @@ dvec3 Bsdf::compensated_reflectance(double cos_facet, double eta, double camera_
          (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta) * dielectric_gain(camera_z);
 }
 
+dvec2 Bsdf::cover(double cosine, double eta) const {
+  return parameters_.cover->cover(energy_index_, cosine, energy_roughness_, eta < 1) +
+         parameters_.cover_error;
+}
+
 dvec3 Bsdf::base_reflectance(double cosine, double eta) const {
   const dvec3 smooth = dielectric_.reflectance(cosine, eta);
   if (cover_share_ == 0) return smooth;
-  const double position = parameters_.cover->cover(energy_index_, cosine, energy_roughness_, eta < 1).y;
+  const double position = cover(cosine, eta).y;
   return glm::mix(smooth, dielectric_.at_position(position), cover_share_);
 }
 
@@ -145,7 +150,7 @@ dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
   }
   dvec3 passed = 1.0 - base_reflectance(cosine, eta);
   if (cover_share_ > 0) {
-    const double kept = parameters_.cover->cover(energy_index_, cosine, energy_roughness_, eta < 1).x;
+    const double kept = cover(cosine, eta).x;
     passed += cover_share_ * (1 - kept) * dielectric_.f0;
   }
   return passed;

@@ -44,6 +44,7 @@ struct BsdfParameters {
   /// What rough interfaces leave to the diffuse base, by these; null: as much as smooth ones. Not with
   /// `energy`.
   const EnergyTables* cover = nullptr;
+  double cover_error = 0;  ///< added to what its tables hold
 };
 
 /// A sampled direction.
@@ -139,6 +140,7 @@ class Bsdf {
   glm::dvec3 metal_gain(double camera_z) const;
   glm::dvec3 compensated_reflectance(double cos_facet, double eta, double camera_z) const;
   /// Of the interface, for the diffuse lobe: at one direction, and its mean over all of that side.
+  glm::dvec2 cover(double cosine, double eta) const;
   glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
   /// Share of the diffuse lobe's samples that are drawn from the cone in which light leaves a solid.
   double cone_share(double eta) const;

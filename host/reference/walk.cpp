@@ -84,6 +84,10 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface*
   return Arrival{surface, distance};
 }
 
+// Of the device's tables of rough interfaces against those of the reference
+// (RoughBase.TablesOfDeviceAndReferenceAgree).
+constexpr double COVER_TABLE_ERROR = 6e-6;
+
 /// A surface point as single precision has it.
 void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
   const auto move = [&](double& value) {
@@ -101,13 +105,15 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
       surface.coat_normal[axis] = rounding.moved(surface.coat_normal[axis], 2 * UNIT_ROUNDOFF);
     surface.coat_normal = normalize(surface.coat_normal);
   }
-  if (!is_given) return;  // the rounding of its ray has moved it
-  // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
-  double size = 0;
-  for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
-    size = std::max(size, largest(glm::abs(dvec3(vertex))));
-  for (int axis = 0; axis < 3; ++axis)
-    surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
+  if (is_given) {  // otherwise the rounding of its ray has moved it
+    // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
+    double size = 0;
+    for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
+      size = std::max(size, largest(glm::abs(dvec3(vertex))));
+    for (int axis = 0; axis < 3; ++axis)
+      surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
+  }
+  surface.cover_error = rounding.moved(0, COVER_TABLE_ERROR);
 }
 
 /// A walk on its way.

@@ -223,6 +223,7 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   // Without a specular lobe there is no interface to compensate for.
   if (material.material_class != MATERIAL_CLASS_DIFFUSE)
     (compensates_energy_ ? p.energy : p.cover) = energy_.get();
+  p.cover_error = surface.cover_error;
   return Bsdf(p);
 }
 

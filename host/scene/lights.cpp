@@ -112,7 +112,8 @@ void build_lights(Scene& scene) {
       list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
       film_range.add_punctual(light);
     }
-  bool has_lamps = !list.is_empty();
+  // One that is dark counts: an animation may have turned it off.
+  bool has_lamps = std::ranges::any_of(scene.lights, is_punctual);
   TrianglePower triangle_power(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];

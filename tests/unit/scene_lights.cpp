@@ -54,6 +54,17 @@ TEST(SceneLights, PunctualLightsTakeThePlaceAndDirectionOfTheirNode) {
   EXPECT_NE(find_features(scene).bits & interface::FEATURE_LIGHT_RANGES, 0u);
 }
 
+// As an animation leaves it: the file has its light, and the picture is black.
+TEST(SceneLights, ADarkLightBringsNoEnvironment) {
+  Gltf file;
+  file.triangle();
+  file.light({{"type", "point"}, {"intensity", 0}});
+  const Scene scene = load_with_lights(file);
+  EXPECT_TRUE(scene.lights.empty());
+  EXPECT_FALSE(scene.environment);
+  EXPECT_TRUE(has_warning(scene, "the picture will be black"));
+}
+
 TEST(SceneLights, ImpossibleConesStayFinite) {
   Gltf file;
   file.triangle();
