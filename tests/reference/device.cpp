@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "check/check.hpp"
+#include "check/reference_render.hpp"
 #include "images/support/copies.hpp"
 #include "images/support/prepared_scene.hpp"
 #include "images/support/render_scene.hpp"
@@ -263,37 +264,36 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
 
 // ---- connections and merges
 
-/// A scene seen through a lens of this radius, m, in focus at 1 m; 0: as it is.
+/// A scene seen through a lens of this radius, m, in focus at 1 m.
 PreparedScene with_lens(PreparedScene prepared, float radius) {
-  if (radius > 0) {
-    prepared.scene.cameras[0].lens_radius = radius;
-    prepared.scene.cameras[0].focus_distance = 1;
-  }
+  prepared.scene.cameras[0].lens_radius = radius;
+  prepared.scene.cameras[0].focus_distance = 1;
   return prepared;
 }
 
 /// An iteration with connections to the cache and merges, regularized or not.
 class CheckedConnections {
  public:
+  CheckedConnections(PreparedScene prepared, const render::RenderSettings& settings)
+      : prepared_(std::move(prepared)),
+        world_(prepared_.scene, prepared_.bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+               settings.has_energy_compensation),
+        recorder_(*device(), prepared_.scene, prepared_.bvh, settings, SIZE * SIZE, settings.techniques),
+        camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE),
+        reference_(check::reference_settings(recorder_.settings())) {}
+
   /// A narrow bound `tau` and wide merges make much of what regularization does.
-  explicit CheckedConnections(uint32_t regularization, uint32_t sampler_quality = SAMPLER_QUALITY_OFF,
-                              float tau = 20, float merge_radius = 0.02F, float lens_radius = 0)
-      : prepared_(with_lens(prepare(own_scenes() / "cornell/cornell.gltf"), lens_radius)),
-        world_(prepared_.scene, prepared_.bvh),
-        recorder_(*device(), prepared_.scene, prepared_.bvh,
-                  settings(regularization, sampler_quality, tau, merge_radius), SIZE * SIZE, VCM),
-        camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
-    const render::RenderSettings& used = recorder_.settings();
-    reference_.width = reference_.height = SIZE;
-    reference_.max_depth = used.max_depth;
-    reference_.techniques = used.techniques;
-    reference_.filter = {FILTER_BOX, 0.5, 0};
-    reference_.light_paths = used.light_paths;
-    reference_.cache_connections = used.cache_connections;
-    reference_.merge_radius = used.merge_radius;
-    reference_.regularization = used.regularization;
-    reference_.tau = used.tau;
-    reference_.sampler_quality = used.sampler_quality;
+  static render::RenderSettings settings(uint32_t regularization, float tau = 20) {
+    render::RenderSettings result;
+    result.width = result.height = SIZE;
+    result.filter = FILTER_BOX;
+    result.filter_radius = 0.5F;
+    result.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | render::LIGHT_SUBPATH_TECHNIQUES;
+    result.cache_connections = 2;
+    result.merge_radius = 0.02F;
+    result.regularization = regularization;
+    result.tau = tau;
+    return result;
   }
 
   render::ConnectionRecording record() {
@@ -311,22 +311,6 @@ class CheckedConnections {
 
  private:
   static constexpr uint32_t SIZE = 32, SAMPLE = 2;
-  static constexpr uint32_t VCM = TECHNIQUE_HIT | TECHNIQUE_NEE | render::LIGHT_SUBPATH_TECHNIQUES;
-
-  static render::RenderSettings settings(uint32_t regularization, uint32_t sampler_quality, float tau,
-                                         float merge_radius) {
-    render::RenderSettings result;
-    result.width = result.height = SIZE;
-    result.filter = FILTER_BOX;
-    result.filter_radius = 0.5F;
-    result.techniques = VCM;
-    result.cache_connections = 2;
-    result.merge_radius = merge_radius;
-    result.regularization = regularization;
-    result.sampler_quality = sampler_quality;
-    result.tau = tau;
-    return result;
-  }
 
   PreparedScene prepared_;
   reference::World world_;
@@ -335,10 +319,19 @@ class CheckedConnections {
   reference::Settings reference_;
 };
 
+void expect_agreement(PreparedScene prepared, const render::RenderSettings& settings) {
+  CheckedConnections checked(std::move(prepared), settings);
+  for (const Tally& tally : checked.check(checked.record())) {
+    std::printf("%s\n", tally.line().c_str());
+    EXPECT_TRUE(tally.is_passed());
+  }
+}
+
 TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
-  CheckedConnections checked(REGULARIZATION_NONE);
+  CheckedConnections checked(prepare(own_scenes() / "cornell/cornell.gltf"),
+                             CheckedConnections::settings(REGULARIZATION_NONE));
   const render::ConnectionRecording recording = checked.record();
   for (const Tally& tally : checked.check(recording)) {
     std::printf("%s\n", tally.line().c_str());
@@ -403,28 +396,54 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
 TEST(DeviceConnections, ThroughAThinLensAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
-  CheckedConnections checked(REGULARIZATION_NONE, SAMPLER_QUALITY_OFF, 20, 0.02F, 0.05F);
-  for (const Tally& tally : checked.check(checked.record())) {
-    std::printf("%s\n", tally.line().c_str());
-    EXPECT_TRUE(tally.is_passed());
-  }
+  expect_agreement(with_lens(prepare(own_scenes() / "cornell/cornell.gltf"), 0.05F),
+                   CheckedConnections::settings(REGULARIZATION_NONE));
 }
 
-TEST(DeviceConnections, RegularizedAgreeWithTheReference) {
+// Regularized with the schedule that renders use, in an iteration that is not its first; each case has a
+// bound of its own.
+constexpr uint32_t ON = REGULARIZATION_ROUGHNESS | REGULARIZATION_CONSISTENT;
+
+// Wide merges also join the glass sphere's vertices with the floor's, which diffuses and the glass does not.
+TEST(DeviceConnections, RegularizedBehindWhatDiffusesAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
-  // Wide merges also join the glass sphere's vertices with the floor's, which diffuses and the glass does
-  // not.
-  CheckedConnections cases[] = {
-      CheckedConnections(REGULARIZATION_ROUGHNESS | REGULARIZATION_DIFFUSION, SAMPLER_QUALITY_OFF, 0.6F,
-                         0.06F),
-      CheckedConnections(REGULARIZATION_ROUGHNESS | REGULARIZATION_BOTH, SAMPLER_QUALITY_SMOOTH, 0.6F),
-      CheckedConnections(REGULARIZATION_ROUGHNESS | REGULARIZATION_DIFFUSION | REGULARIZATION_VIRTUAL_MERGE)};
-  for (CheckedConnections& checked : cases)
-    for (const Tally& tally : checked.check(checked.record())) {
-      std::printf("%s\n", tally.line().c_str());
-      EXPECT_TRUE(tally.is_passed());
-    }
+  render::RenderSettings settings = CheckedConnections::settings(ON | REGULARIZATION_DIFFUSION, 0.6F);
+  settings.merge_radius = 0.06F;
+  settings.bound = BOUND_SMITH;
+  expect_agreement(prepare(own_scenes() / "cornell/cornell.gltf"), settings);
+}
+
+TEST(DeviceConnections, RegularizedTwiceByQualityAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  render::RenderSettings settings = CheckedConnections::settings(ON | REGULARIZATION_BOTH, 0.6F);
+  settings.sampler_quality = SAMPLER_QUALITY_SMOOTH;
+  settings.light_sampling = LIGHT_SAMPLING_BVH;
+  settings.bound = BOUND_DIRECTIONAL;
+  expect_agreement(prepare(own_scenes() / "cornell/cornell.gltf"), settings);
+}
+
+TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  render::RenderSettings settings =
+      CheckedConnections::settings(ON | REGULARIZATION_DIFFUSION | REGULARIZATION_VIRTUAL_MERGE);
+  settings.shadowing = SHADOWING_SMITH_UNCORRELATED;
+  settings.bound = BOUND_DIRECTIONAL;
+  expect_agreement(prepare(own_scenes() / "cornell/cornell.gltf"), settings);
+}
+
+// Rough lobes under rough coats, with energy compensation: raised to the utmost, and hardly at all.
+TEST(DeviceConnections, RegularizedCoatsAgreeWithTheReferenceWhateverTheBound) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  for (const float tau : {1e-4F, 1e9F}) {
+    render::RenderSettings settings = CheckedConnections::settings(ON, tau);
+    settings.has_energy_compensation = true;
+    expect_agreement(prepare(coats_scene()), settings);
+    if (HasFailure()) return;
+  }
 }
 
 // A floor whose normals lean far over: light from the other side arrives above the surface, but behind its
