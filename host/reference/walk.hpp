@@ -45,7 +45,7 @@ struct Settings {
   uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
-  double tau = 100;  ///< 1/sr
+  double tau = 5;  ///< 1/sr, as where none is given on the command line
   uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;

@@ -75,7 +75,7 @@ TEST_F(Mirrors, LightSamplingAloneFindsAllChains) {
 TEST_F(Mirrors, BlendedWeightsKeepTheEnergyOfAllConnections) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   const double blended = energy(BPT, MIS_BLENDED, 0.1);
-  EXPECT_NEAR(blended, 1, is_slow_device() ? 0.06 : 0.04);
+  EXPECT_NEAR(blended, 1, 0.04);
   EXPECT_GT(energy(BPT, MIS_CORRECTED, 0.1), 1.2);
   EXPECT_GT(energy(BPT, MIS_UNMODIFIED, 0.1), 2.0);
 }
@@ -153,7 +153,7 @@ TEST_F(Regularization, ConsistentModeApproachesTheTruth) {
   GltfScene scene = room(plastic({0.4, 0.4, 0.6}, 0.4), metal({0.9, 0.7, 0.4}, 0), WHITE);
   scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
   const PreparedScene prepared = prepare(scene);
-  RenderSettings settings = box_filtered(16, 16, is_slow_device() ? 64 : 512, 5);
+  RenderSettings settings = box_filtered(16, 16, 512, 5);
   settings.techniques = PT;
   const double truth = mean_of(render(prepared, settings).image)[0];
   for (const uint32_t techniques : {PT, BPT}) {
@@ -162,7 +162,7 @@ TEST_F(Regularization, ConsistentModeApproachesTheTruth) {
     consistent.regularization |= REGULARIZATION_CONSISTENT;
     const double mean = mean_of(render(prepared, consistent).image)[0];
     std::printf("techniques %u: %.4f of path tracing\n", techniques, mean / truth);
-    EXPECT_NEAR(mean / truth, 1, is_slow_device() ? 0.03 : 0.01);
+    EXPECT_NEAR(mean / truth, 1, 0.01);
   }
 }
 
