@@ -33,7 +33,8 @@ Counts read_counts(std::span<const unsigned char> bytes) {
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::DracoHeader header{};
   if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return {};
-  const uint16_t version = DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor);
+  const auto version =
+      static_cast<uint16_t>(DRACO_BITSTREAM_VERSION(header.version_major, header.version_minor));
   buffer.set_bitstream_version(version);
   if (version >= DRACO_BITSTREAM_VERSION(1, 3) && (header.flags & METADATA_FLAG_MASK) != 0) {
     draco::GeometryMetadata ignored;
