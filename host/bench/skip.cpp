@@ -65,6 +65,29 @@ class Speck {
     for (size_t i = scene_.vertices.size() - 3; i < scene_.vertices.size(); ++i)
       scene_.vertices[i].normal = glm::normalize(normal);
   }
+  /// Clear glass that absorbs.
+  void refracts() {
+    Material& material = shiny(0);
+    material.transmission = 1;
+    material.flags |= MATERIAL_VOLUME;
+    material.absorption = glm::vec3(1);
+    material.material_class = MATERIAL_CLASS_TRANSMISSIVE;
+  }
+  /// Makes the triangle a closed solid, thinner than what rays can be trusted with.
+  void close() {
+    const Triangle front = scene_.triangles.back();
+    const auto apex = static_cast<uint32_t>(scene_.vertices.size());
+    Vertex behind = scene_.vertices[front.v0];
+    behind.position.z -= scene_.vertices[front.v1].position.x - behind.position.x;
+    scene_.vertices.push_back(behind);
+    for (auto* values : {&scene_.vertex_colors, &scene_.vertex_tangents})
+      if (!values->empty()) values->push_back(values->back());
+    if (!scene_.vertex_uvs.empty()) scene_.vertex_uvs.push_back(scene_.vertex_uvs.back());
+    const uint32_t corners[3] = {front.v0, front.v1, front.v2};
+    for (size_t i = 0; i < 3; ++i)
+      scene_.triangles.push_back(
+          {corners[(i + 1) % 3], corners[i], apex, front.material, front.light, front.instance});
+  }
   /// One white texel.
   uint32_t texture(uint32_t flags = 0) {
     Texture texture{};
@@ -127,13 +150,11 @@ const std::map<uint32_t, Addition>& additions() {
       {FEATURE_ROUGH_SPECULAR, [](Speck& s) { s.shiny(0.05F); }},
       {FEATURE_ROUGH_BASE, [](Speck& s) { s.shiny(0.5F); }},
       {FEATURE_DELTA_SPECULAR, [](Speck& s) { s.shiny(0); }},
-      {FEATURE_ABSORPTION,
+      {FEATURE_ABSORPTION, [](Speck& s) { s.refracts(); }},
+      {FEATURE_CONTACTS,
        [](Speck& s) {
-         Material& material = s.shiny(0);
-         material.transmission = 1;
-         material.flags |= MATERIAL_VOLUME;
-         material.absorption = glm::vec3(1);
-         material.material_class = MATERIAL_CLASS_TRANSMISSIVE;
+         s.refracts();
+         s.close();
        }},
       {FEATURE_SMOOTH_NORMALS,
        [](Speck& s) {

@@ -164,9 +164,15 @@ class ConnectionChecker {
   /// `on_one_side`: of the device's, those that nothing hides, since the reference has no others.
   std::vector<Item> splats(Tally& on_one_side) const;
 
-  bool is_hidden(const VisibilityCandidate& segment) const {
-    return subject_.world.traversal().is_occluded(
-        {dvec3(segment.origin), normalize(dvec3(segment.direction)), 0, segment.t_max});
+  /// Whether something lies between the ends of the splat of this index.
+  bool is_hidden(size_t splat) const {
+    const VisibilityCandidate& segment = recording_.splats[splat].segment;
+    const reference::Ray ray{dvec3(segment.origin), normalize(dvec3(segment.direction)), 0, segment.t_max};
+    reference::Place place;
+    if (!recording_.splat_media.empty())
+      place = {reference::Media(recording_.splat_media[splat].around),
+               recording_.splat_media[splat].triangle};
+    return subject_.world.meet(ray, place).has_value();
   }
 
   /// Light samples that carry something by the reference and that the device has not queued.

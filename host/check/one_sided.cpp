@@ -76,7 +76,7 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
   for (uint32_t i = 0; i < ours.size(); ++i) {
     if (ours[i].is_matched)
       on_one_side.add_error(0);
-    else if (counts(ours[i], mean) && !is_hidden(recording_.splats[i].segment)) {
+    else if (counts(ours[i], mean) && !is_hidden(i)) {
       on_one_side.add_difference(Difference::Real);
       on_one_side.describe(
           fmt::format("splat at ({:.3f} {:.3f}): the device alone", ours[i].film.x, ours[i].film.y));
@@ -135,9 +135,10 @@ Tally ConnectionChecker::check_splat_film() const {
   std::vector<dvec3> expected(recording_.splat_film.size(), dvec3(0));
   std::vector<double> rounding(expected.size(), 0);
   const reference::Filter& filter = settings_.filter;
-  for (const SplatCandidate& splat : recording_.splats) {
+  for (size_t i = 0; i < recording_.splats.size(); ++i) {
+    if (is_hidden(i)) continue;
+    const SplatCandidate& splat = recording_.splats[i];
     const VisibilityCandidate& segment = splat.segment;
-    if (is_hidden(segment)) continue;
     const dvec2 film(splat.film);
     const auto reach = static_cast<int>(std::ceil(filter.radius)) + 1;
     const glm::ivec2 at(glm::floor(film));

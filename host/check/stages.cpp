@@ -57,6 +57,12 @@ reference::Ray ray_of(const Path& path) {
   return ray;
 }
 
+/// Where a ray starts; without FEATURE_CONTACTS nothing is recorded, and nothing matters.
+reference::Place place_of(const std::vector<PathMedia>& media, size_t index) {
+  if (media.empty()) return {};
+  return {reference::Media(media[index].around), media[index].triangle, dvec2(media[index].barycentrics)};
+}
+
 class StageChecker {
  public:
   StageChecker(const Subject& subject, Pass pass) : subject_(subject), is_camera_(pass == Pass::Camera) {}
@@ -84,7 +90,8 @@ class StageChecker {
         ray.t_min = clipped.nearest;
         ray.t_max = clipped.farthest;
       }
-      const auto expected = subject_.world.traversal().closest(ray);
+      const reference::Place place = place_of(bounce.media_before, slot);
+      const auto expected = closest(ray, place);
       const double scale = largest(ray.origin) + (expected ? expected->t : subject_.world.radius());
       if (expected && hit.triangle == expected->triangle) {
         if (!tally.add_error(std::abs(hit.t - expected->t) / distance_conditioning(ray, *expected)))
@@ -92,8 +99,8 @@ class StageChecker {
       } else if (!expected && hit.triangle == INVALID_INDEX) {
         tally.add_error(0);
       } else {
-        tally.add_difference(difference_of(ray, hit, expected, scale));
-        if (difference_of(ray, hit, expected, scale) == Difference::Real)
+        tally.add_difference(difference_of(ray, place, hit, expected, scale));
+        if (difference_of(ray, place, hit, expected, scale) == Difference::Real)
           tally.describe(fmt::format("slot {}: triangle {} at {} against {} at {}; origin {} direction {}",
                                      slot, hit.triangle, hit.t, expected ? expected->triangle : INVALID_INDEX,
                                      expected ? expected->t : -1, text_of(ray.origin),
@@ -108,20 +115,23 @@ class StageChecker {
       const Hit& hit = bounce.hits[slot];
       if (hit.triangle == INVALID_INDEX) continue;
       const bool is_alive = continuing.contains(slot);
-      compare_step(bounce.before[slot], hit, index, is_alive, bounce.after[slot], slot, tally);
+      const reference::Place place = place_of(bounce.media_on_arrival, slot);
+      compare_step(bounce.before[slot], place, hit, index, is_alive, bounce.after[slot], slot, tally);
     }
   }
 
   void visibility(const RecordedBounce& bounce, Tally& tally) const {
-    for (const VisibilityCandidate& candidate : bounce.candidates) {
+    for (size_t i = 0; i < bounce.candidates.size(); ++i) {
+      const VisibilityCandidate& candidate = bounce.candidates[i];
       const dvec3 added =
           dvec3(bounce.radiance[candidate.path]) - dvec3(bounce.radiance_before_visibility[candidate.path]);
       const double wanted = largest(dvec3(candidate.contribution));
       if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.path])))
         continue;  // lost in the sum either way
-      compare_segment(candidate, largest(added) > 0.5 * wanted, tally);
+      compare_segment(candidate, place_of(bounce.candidate_media, i), largest(added) > 0.5 * wanted, tally);
     }
-    for (const render::Probe& probe : bounce.probes) compare_segment(probe.segment, probe.is_open, tally);
+    for (const render::Probe& probe : bounce.probes)
+      compare_segment(probe.segment, place_of(bounce.media_before, probe.segment.path), probe.is_open, tally);
   }
 
  private:
@@ -131,24 +141,33 @@ class StageChecker {
     uint32_t medium = INVALID_INDEX;
   };
 
-  void compare_segment(const VisibilityCandidate& candidate, bool is_open, Tally& tally) const {
+  std::optional<reference::Intersection> closest(const reference::Ray& ray, reference::Place place) const {
+    return subject_.world.meet(ray, place);
+  }
+  bool is_occluded(const reference::Ray& ray, const reference::Place& place) const {
+    return subject_.world.has_contacts() ? closest(ray, place).has_value()
+                                         : subject_.world.traversal().is_occluded(ray);
+  }
+
+  void compare_segment(const VisibilityCandidate& candidate, const reference::Place& place, bool is_open,
+                       Tally& tally) const {
     reference::Ray ray{dvec3(candidate.origin), normalize(dvec3(candidate.direction))};
     ray.decision = {candidate.origin, candidate.direction};
     if (candidate.t_max < 1e38F) ray.t_max = candidate.t_max;
-    if (is_open != subject_.world.traversal().is_occluded(ray)) {
+    if (is_open != is_occluded(ray, place)) {
       tally.add_error(0);
       return;
     }
     // A light at the segment's end must not cast a shadow on itself, unless the 16 roundings of its length by
     // which the segment is short are less than one of its coordinates.
     const bool is_short = 16 * ray.t_max < largest(ray.origin);
-    bool can_agree = (is_open || is_short) && ends_at_a_surface(ray);
+    bool can_agree = (is_open || is_short) && ends_at_a_surface(ray, place);
     for (int k = 0; k < JITTERS && !can_agree; ++k) {
       reference::Ray other = ray;
       other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
       other.direction = normalize(moved(ray.direction, 4 * ULP, k + 7));
       other.t_max = ray.t_max * (1 + 16 * ULP * sign_of(k, 5));
-      can_agree = is_open != subject_.world.traversal().is_occluded(other);
+      can_agree = is_open != is_occluded(other, place);
     }
     tally.add_difference(can_agree ? Difference::Edge : Difference::Real);
     if (!can_agree)
@@ -158,10 +177,10 @@ class StageChecker {
   }
 
   /// True if the segment ends at something within what the distance of a hit may err by.
-  bool ends_at_a_surface(const reference::Ray& segment) const {
+  bool ends_at_a_surface(const reference::Ray& segment, const reference::Place& place) const {
     reference::Ray endless{segment.origin, segment.direction};
     endless.decision = segment.decision;
-    const auto first = subject_.world.traversal().closest(endless);
+    const auto first = closest(endless, place);
     return first &&
            std::abs(first->t - segment.t_max) <= DISTANCE_BOUND * distance_conditioning(segment, *first);
   }
@@ -179,7 +198,7 @@ class StageChecker {
     return (largest(ray.origin) + hit.t + extent * shape) / std::max(cosine, 1e-6);
   }
 
-  Difference difference_of(const reference::Ray& ray, const Hit& hit,
+  Difference difference_of(const reference::Ray& ray, const reference::Place& place, const Hit& hit,
                            const std::optional<reference::Intersection>& expected, double scale) const {
     // A tie: the device's triangle is met at that distance, and the reference's as near as makes no
     // difference.
@@ -192,7 +211,7 @@ class StageChecker {
     for (int k = 0; k < JITTERS; ++k) {
       reference::Ray other = ray;
       other.origin = moved(ray.origin, 4 * ULP * scale, k);
-      const auto found = subject_.world.traversal().closest(other);
+      const auto found = closest(other, place);
       if ((found ? found->triangle : INVALID_INDEX) == hit.triangle) return Difference::Edge;
     }
     return Difference::Real;
@@ -253,7 +272,8 @@ class StageChecker {
   }
 
   /// The reference's step from the device's inputs, moved by jitter >= 0.
-  std::optional<Step> step(const Path& path, const Hit& hit, uint32_t index, int jitter) const {
+  std::optional<Step> step(const Path& path, const reference::Place& place, const Hit& hit, uint32_t index,
+                           int jitter) const {
     const uint32_t last_bounce = subject_.settings.max_depth - (is_camera_ ? 2 : 3);
     if (subject_.settings.max_depth < (is_camera_ ? 2U : 3U) || index > last_bounce) return std::nullopt;
     const bool is_moved = jitter >= 0;
@@ -263,6 +283,7 @@ class StageChecker {
     state.throughput = path.throughput;
     state.eta_scale = path.eta_scale;
     state.medium = path.medium;
+    state.place = place;
     dvec2 barycentrics(hit.u, hit.v);
     // Texture coordinates are rounded twice more, interpolated and scaled to texels.
     if (is_moved) barycentrics += 4 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
@@ -280,7 +301,7 @@ class StageChecker {
       surface.uv.own += 2 * ULP * abs(surface.uv.own) * dvec2(sign_u, sign_v);
       surface.uv.weights += 2 * ULP * surface.uv.weights * dvec3(sign_u, sign_v, -sign_u);
     }
-    reference::WalkVertex vertex = arrive(subject_.world, surface, hit.t, state, 1, is_camera_);
+    reference::WalkVertex vertex = arrive(subject_.world, surface, way(place, hit), state, 1, is_camera_);
     if (!is_camera_ && index == 0 && !end_by_range(subject_.world, light_point(path), vertex, state))
       return std::nullopt;
     const bool goes_on = is_camera_ ? scatter_from_camera(subject_.world, vertex, state, index, u)
@@ -303,9 +324,17 @@ class StageChecker {
                               {u.z, u.w});
   }
 
-  void compare_step(const Path& path, const Hit& hit, uint32_t index, bool is_alive, const Path& after,
-                    uint32_t slot, Tally& tally) const {
-    const std::optional<Step> expected = step(path, hit, index, -1);
+  /// Length of the last edge: with contacts between the surfaces themselves.
+  double way(const reference::Place& place, const Hit& hit) const {
+    if (!subject_.world.has_contacts() || place.triangle == INVALID_INDEX) return hit.t;
+    const reference::Surface start = subject_.world.surface_at(place.triangle, place.barycentrics);
+    const reference::Surface end = subject_.world.surface_at(hit.triangle, dvec2(hit.u, hit.v));
+    return length(end.position - start.position);
+  }
+
+  void compare_step(const Path& path, const reference::Place& place, const Hit& hit, uint32_t index,
+                    bool is_alive, const Path& after, uint32_t slot, Tally& tally) const {
+    const std::optional<Step> expected = step(path, place, hit, index, -1);
     if (!is_alive && !expected) {
       tally.add_error(0);
       return;
@@ -320,7 +349,7 @@ class StageChecker {
     double spread = 0;
     bool can_agree = false;
     for (int k = 0; k < JITTERS; ++k) {
-      const std::optional<Step> other = step(path, hit, index, k);
+      const std::optional<Step> other = step(path, place, hit, index, k);
       if (expected && other && dot(expected->direction, other->direction) > 0.99)
         spread = std::max(spread, error_between(*expected, *other));
       can_agree = can_agree || other.has_value() == is_alive;

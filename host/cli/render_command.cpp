@@ -87,6 +87,10 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
                   statistics.traversal_overruns);
   for (const std::string& warning : saturation_warnings(renderer.film()))
     spdlog::warn("{}: {}", outputs.picture.string(), warning);
+  if (statistics.forgotten_media > 0)
+    spdlog::warn(
+        "paths were inside of more than {} solids at once: {} times the one that decides least was forgotten",
+        interface::MEDIA_SET_SIZE, statistics.forgotten_media);
   const render::Window window = settings.window();
   const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)",

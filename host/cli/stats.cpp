@@ -180,6 +180,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
             {"bound_items", statistics.submissions.bound_items},
             {"most_items", statistics.submissions.most_items},
             {"longest_device_ms", statistics.submissions.longest_ms}}},
+          {"forgotten_media", statistics.forgotten_media},
           {"wave_paths", statistics.wave_capacity},
           {"bytes_per_path", statistics.bytes_per_path},
           {"device_peak_bytes", device.peak_allocated_bytes()},

@@ -166,6 +166,11 @@ double emission_bound(const World& world, const LightPoint& point) {
   return 1 / (2 * pi * std::max(1 - double{light_of(world, point).cos_outer}, 1e-6));
 }
 
+Place place_of_light(const World& world, const LightPoint& point, const Ray& ray) {
+  return {world.media_of_light(point.light, ray.origin),
+          point.is_triangle() ? point.surface.triangle : INVALID_INDEX};
+}
+
 EmissionRay sample_emission(const World& world, const LightPoint& point, const dvec2& u_position,
                             const dvec2& u_direction) {
   const Light& light = light_of(world, point);

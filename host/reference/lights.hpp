@@ -81,6 +81,9 @@ struct EmissionRay {
 EmissionRay sample_emission(const World& world, const LightPoint& point, const glm::dvec2& u_position,
                             const glm::dvec2& u_direction);
 
+/// Where a ray starts that leaves the point of a light.
+Place place_of_light(const World& world, const LightPoint& point, const Ray& ray);
+
 /// Radiant intensity factor of a spot at this cosine with its axis: clamp((c - c_o) / (c_i - c_o))^2
 /// (KHR_lights_punctual).
 double spot_falloff(const interface::Light& light, double cos_angle);

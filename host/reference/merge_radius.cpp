@@ -42,10 +42,11 @@ bool shines(const World& world, const Surface& surface) {
 /// Follows one ray: the first surface of all, and the first where it can merge, if it comes to one.
 void follow(const World& world, const CameraRay& start, double cos_axis, Points& first, Points& mergeable) {
   WalkState state{start.origin, start.direction};
+  if (world.has_contacts()) state.place.around = world.media_at(start.start());
   Ray ray{start.origin, start.direction, start.nearest, start.farthest};
   double length = 0, cos_start = 1;
   for (uint32_t edge = 0; edge < MOST_EDGES; ++edge) {
-    const std::optional<Intersection> hit = world.traversal().closest(ray);
+    const std::optional<Intersection> hit = world.meet(ray, state.place);
     if (!hit) return;
     const Surface surface = world.surface_at(hit->triangle, hit->barycentrics);
     length += hit->t;

@@ -124,11 +124,12 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   edge.cos_camera_end = cosine(last.surface, w);
   const bool is_beyond = path.vertices[1].is_beyond;
   edge.transmittance = world.transmittance(
-      world.medium_towards(last.surface, last.medium, last.w_back, w, is_beyond), edge.distance);
+      world.medium_towards(last.surface, last.medium, last.around, last.w_back, w, is_beyond), edge.distance);
   edge.transmittance *= range_share(world, point, edge.distance);
-  const bool is_visible =
-      is_distant ? !world.traversal().is_occluded(world.ray_from(last.surface, w, is_beyond))
-                 : world.is_visible(last.surface, point.surface.position, point.surface.triangle, is_beyond);
+  const Place place = world.place_towards(last.surface, last.around, last.w_back, w, is_beyond);
+  const bool is_visible = is_distant ? world.is_open(last.surface, place, w, is_beyond)
+                                     : world.is_visible(last.surface, place, point.surface.position,
+                                                        point.surface.triangle, is_beyond);
   if (!is_visible) return std::nullopt;
   return sampled;
 }
@@ -159,8 +160,9 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   edge.cos_camera_end = cosine(from.surface, w);
   const bool is_beyond = path.vertices[light_edges + 1].is_beyond;
   edge.transmittance = world.transmittance(
-      world.medium_towards(from.surface, from.medium, from.w_back, w, is_beyond), edge.distance);
-  if (!world.is_visible(from.surface, to.surface.position, to.surface.triangle, is_beyond))
+      world.medium_towards(from.surface, from.medium, from.around, from.w_back, w, is_beyond), edge.distance);
+  const Place place = world.place_towards(from.surface, from.around, from.w_back, w, is_beyond);
+  if (!world.is_visible(from.surface, place, to.surface.position, to.surface.triangle, is_beyond))
     return std::nullopt;
   return sampled;
 }
@@ -179,15 +181,19 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   path.longest_edge = 2 * world.radius();
   path.camera_bound = camera_bound(lens, path.longest_edge);
   uint32_t medium = INVALID_INDEX;
+  Place place;
   if (edges == 0) {
     path.light = light_end(world, light.point, w);
+    place = place_of_light(world, light.point, world.ray_from(surface, w));
+    medium = world.medium_of(place.around);
   } else {
     const WalkVertex& last = light.vertices[edges - 1];
     sampled.survival = last.survival;
     path.vertices[edges] =
         scattering_between(surface, last.bsdf, last.w_back, w, light.regularization,
                            tries_of(light.regularization, light.stream, VIRTUAL_MERGE_AT_LIGHT, 0, edges, 0));
-    medium = world.medium_towards(surface, last.medium, last.w_back, w);
+    medium = world.medium_towards(surface, last.medium, last.around, last.w_back, w);
+    place = world.place_towards(surface, last.around, last.w_back, w);
   }
   if (edges == 0 ? is_black(path.light.emitted) : is_dark(path, edges, edges)) return std::nullopt;
 
@@ -195,7 +201,7 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   edge.distance = length(projection->ray.origin - surface.position);
   edge.cos_light_end = cosine(surface, w);
   edge.transmittance = world.transmittance(medium, edge.distance);
-  if (!world.is_visible(surface, projection->ray.start())) return std::nullopt;
+  if (!world.is_visible(surface, place, projection->ray.start())) return std::nullopt;
   return sampled;
 }
 

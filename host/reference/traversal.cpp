@@ -81,6 +81,60 @@ LocalRay local_ray(const Ray& ray, const Instance* copy) {
   return local;
 }
 
+// See shaders/lib/contacts.glsl, where the same numbers are.
+constexpr double CONTACT_MIN_COS = 1.0 / 16;
+constexpr double CONTACT_EMITTER = 2.5, CONTACT_FRONT = 2, CONTACT_BACK = 1.5, CONTACT_ENTRY = 1;
+constexpr double CONTACT_TIE = 0.2;
+constexpr double CONTACT_BEHIND = 4;
+
+double contact_error(const Ray& ray, double t) {
+  const dvec3 size = glm::abs(ray.origin);
+  return CONTACT_ROUNDINGS * 0x1p-24 * (std::max({size.x, size.y, size.z}) + std::abs(t));
+}
+
+double contact_reach(const Ray& ray, double t) {
+  return CONTACT_BEHIND / CONTACT_MIN_COS * contact_error(ray, t);
+}
+
+/// By what hits are ordered, and how near two must be for their order to decide. Infinite: not met.
+struct ContactKey {
+  double value = std::numeric_limits<double>::infinity();
+  double tie = 0;
+  uint32_t order = INVALID_INDEX;  ///< what then decides
+};
+
+/// A surface that is no boundary of a closed solid.
+ContactKey plain_key(const Ray& ray, uint32_t tag, uint32_t number, double t, bool is_front, double along) {
+  const Contact& contact = *ray.contact;
+  const bool is_open = tag >> TRIANGLE_TAG_SOLID_SHIFT != 0;
+  if (contact.is_blind || number == contact.triangle || !(t > 0) || t > contact.end) return {};
+  if (!(t > contact.from - (is_open ? 0 : CONTACT_BEHIND * along))) return {};
+  const bool emits = (tag & (is_front ? TRIANGLE_TAG_EMITS : TRIANGLE_TAG_EMITS_BACK)) != 0;
+  const double rank = emits ? CONTACT_EMITTER : is_front ? CONTACT_FRONT : CONTACT_BACK;
+  return {t - rank * along, CONTACT_TIE * along, number};
+}
+
+ContactKey contact_key(const Ray& ray, uint32_t tag, uint32_t number, double t, double cosine) {
+  const Contact& contact = *ray.contact;
+  const double along = contact_error(ray, t) / std::max(std::abs(cosine), CONTACT_MIN_COS);
+  if ((tag & TRIANGLE_TAG_CLOSED) == 0) return plain_key(ray, tag, number, t, cosine < 0, along);
+  const uint32_t solid = (tag >> TRIANGLE_TAG_SOLID_SHIFT) - 1;
+  const bool is_entry = cosine < 0;
+  const bool is_inside = contact.around.contain(solid);
+  const double behind = CONTACT_BEHIND * along;
+  if (contact.is_blind) {
+    const bool counts = is_entry ? !is_inside : is_inside || !contact.holding.contain(solid);
+    if (solid == contact.crossed && t < contact.from + behind) return {};
+    if (!counts || !(t > std::max(contact.from - behind, 0.0))) return {};
+    return {t};
+  }
+  if (is_inside == is_entry) return {};
+  if (is_entry && solid == contact.left && t < behind) return {};
+  if (is_entry && solid == contact.crossed && t < contact.from + behind) return {};
+  if (!(t > contact.from - behind && t <= contact.end - CONTACT_FRONT * along)) return {};
+  return {is_entry ? t - CONTACT_ENTRY * along : t, CONTACT_TIE * along, is_entry ? solid : ~solid};
+}
+
 }  // namespace
 
 std::optional<Intersection> intersect(const Ray& ray, const dvec3 (&vertices)[3]) {
@@ -144,7 +198,22 @@ bool Traversal::is_covered(const Ray& ray, const Intersection& hit) const {
   return unit_interval(bits[0]) < coverage;
 }
 
-void Traversal::intersect_leaf(const Visit& visit, Ray& ray, std::optional<Intersection>& nearest) const {
+void Traversal::take_contact(uint32_t tag, Intersection hit, const dvec3& normal, Search& search) const {
+  const double cosine = dot(normal, search.ray.direction) / length(normal);
+  const ContactKey key = contact_key(search.ray, tag, hit.triangle, hit.t, cosine);
+  const bool is_first = key.value < search.key - key.tie ||
+                        (key.value <= search.key + key.tie && search.nearest && key.order < search.order);
+  if (!std::isfinite(key.value) || !is_first) return;
+  if ((tag & TRIANGLE_TAG_ALPHA) != 0 && !is_covered(search.ray, hit)) return;
+  hit.is_front = cosine < 0;
+  search.key = key.value;
+  search.order = key.order;
+  search.nearest = hit;
+  search.ray.t_max = std::max(hit.t, 0.0) + contact_reach(search.ray, hit.t);
+}
+
+void Traversal::intersect_leaf(const Visit& visit, Search& search) const {
+  Ray& ray = search.ray;
   const uint32_t first = visit.reference & BVH_LEAF_FIRST_MASK;
   const uint32_t count = ((visit.reference & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1;
   const Instance* copy = visit.copy;
@@ -160,20 +229,28 @@ void Traversal::intersect_leaf(const Visit& visit, Ray& ray, std::optional<Inter
     auto hit = intersect(ray, {dvec3(p[0]), dvec3(p[1]), dvec3(p[2])});
     if (!hit) continue;
     hit->triangle = number;
+    if (ray.contact != nullptr) {
+      take_contact(triangle.tag, *hit, cross(dvec3(p[1]) - dvec3(p[0]), dvec3(p[2]) - dvec3(p[0])), search);
+      continue;
+    }
     if ((triangle.tag & TRIANGLE_TAG_ALPHA) != 0 && !is_covered(ray, *hit)) continue;
     ray.t_max = hit->t;
-    nearest = hit;
+    search.nearest = hit;
   }
 }
 
-std::optional<Intersection> Traversal::run(Ray ray, bool any_hit) const {
-  std::optional<Intersection> nearest;
+std::optional<Intersection> Traversal::run(const Ray& given, bool any_hit) const {
+  Search search{given};
+  if (given.contact != nullptr) {
+    search.ray.t_min = -contact_reach(given, 0);
+    search.ray.t_max = given.contact->end + contact_reach(given, 0);
+  }
   std::vector<Visit> stack{{0, nullptr}};
-  while (!stack.empty() && !(any_hit && nearest)) {
+  while (!stack.empty() && !(any_hit && search.nearest)) {
     const Visit visit = stack.back();
     stack.pop_back();
     if ((visit.reference & BVH_LEAF_BIT) != 0) {
-      intersect_leaf(visit, ray, nearest);
+      intersect_leaf(visit, search);
       continue;
     }
     if ((visit.reference & BVH_INSTANCE_BIT) != 0) {
@@ -182,7 +259,7 @@ std::optional<Intersection> Traversal::run(Ray ray, bool any_hit) const {
       continue;
     }
     const BvhNode& node = tree_.nodes[visit.reference];
-    const LocalRay local = local_ray(ray, visit.copy);
+    const LocalRay local = local_ray(search.ray, visit.copy);
     for (uint32_t slot = 0; slot < CHILDREN; ++slot) {
       std::optional<Box> box = child_box(node, slot);
       if (!box) continue;
@@ -191,7 +268,7 @@ std::optional<Intersection> Traversal::run(Ray ray, bool any_hit) const {
       if (meets(local.ray, *box)) stack.push_back({node.children[slot], visit.copy});
     }
   }
-  return nearest;
+  return search.nearest;
 }
 
 std::optional<Intersection> Traversal::closest(const Ray& ray) const {

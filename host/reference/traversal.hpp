@@ -9,9 +9,24 @@
 #include <optional>
 
 #include "bvh/bvh.hpp"
+#include "reference/media.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::reference {
+
+/// What a ray knows of its place where surfaces touch (FEATURE_CONTACTS): the rules of
+/// shaders/lib/contacts.glsl, with the same tolerances, so that decisions agree.
+struct Contact {
+  Media around;                                          ///< the solids there
+  double from = 0;                                       ///< surfaces before this t have been met
+  double end = std::numeric_limits<double>::infinity();  ///< of the ray
+  uint32_t crossed = interface::INVALID_INDEX;           ///< the solid whose boundary lies at `from`
+  uint32_t left = interface::INVALID_INDEX;              ///< the solid whose boundary the ray starts on
+  uint32_t triangle = interface::INVALID_INDEX;          ///< the triangle that it starts on
+  bool is_blind =
+      false;  ///< meets closed solids only, to find what holds its origin: `around` is what it has entered
+  Media holding{};  ///< and this what it has left without
+};
 
 /// origin + t * direction for t in (t_min, t_max). Two triangles can be passed over: those on which a segment
 /// starts and ends.
@@ -24,6 +39,8 @@ struct Ray {
   /// What a blended surface decides with whether the ray meets it: the device's bits of origin and direction;
   /// those of the members above if empty.
   std::optional<std::array<glm::vec3, 2>> decision = std::nullopt;
+  const Contact* contact =
+      nullptr;  ///< null: surfaces are met by distance alone; otherwise t_min and t_max do not count
 };
 
 /// Share of the surface that is there at barycentrics of a triangle: 1, or by the alpha of its material.
@@ -34,6 +51,7 @@ struct Intersection {
   double t;
   glm::dvec2 barycentrics;  ///< (u, v)
   uint32_t triangle;
+  bool is_front = false;  ///< only with Ray::contact
 };
 
 /// Ray against one triangle, both faces, edges included: Woop, Benthin and Wald, Watertight Ray/Triangle
@@ -60,8 +78,17 @@ class Traversal {
     const interface::Instance* copy;
   };
 
-  std::optional<Intersection> run(Ray ray, bool any_hit) const;
-  void intersect_leaf(const Visit& visit, Ray& ray, std::optional<Intersection>& nearest) const;
+  std::optional<Intersection> run(const Ray& ray, bool any_hit) const;
+  /// What a ray has found so far.
+  struct Search {
+    Ray ray;
+    std::optional<Intersection> nearest{};
+    double key = std::numeric_limits<double>::infinity();  ///< with contacts: of the nearest, as is
+    uint32_t order = interface::INVALID_INDEX;
+  };
+
+  void intersect_leaf(const Visit& visit, Search& search) const;
+  void take_contact(uint32_t tag, Intersection hit, const glm::dvec3& normal, Search& search) const;
 
   bool is_covered(const Ray& ray, const Intersection& hit) const;
 

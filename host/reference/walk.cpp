@@ -68,19 +68,26 @@ struct Arrival {
   double distance;
 };
 
-std::optional<Arrival> trace(const World& world, const Ray& ray) {
-  const std::optional<Intersection> hit = world.traversal().closest(ray);
+std::optional<Arrival> trace(const World& world, const Ray& ray, Place& place) {
+  const std::optional<Intersection> hit = world.meet(ray, place);
   if (!hit) return std::nullopt;
   return Arrival{world.surface_at(hit->triangle, hit->barycentrics), hit->t};
 }
 
 /// The given hit, if the ray leads there. `start`: surface of its origin, or null.
-std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface* start, const GivenHit& hit) {
+std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface* start, const GivenHit& hit,
+                              Place& place) {
   const Surface surface = world.surface_at(hit.triangle, hit.barycentrics);
   const double distance = length(surface.position - ray.origin);
   const double miss = length(ray.origin + distance * ray.direction - surface.position);
   const double off_surface = start == nullptr ? 0 : clearance(world, *start);
   if (!(miss <= GIVEN_ANGLE * distance + GIVEN_OFFSET * world.radius() + off_surface)) return std::nullopt;
+  if (world.has_contacts()) {
+    // The solids on the way are those that any ray there meets before.
+    Ray shorter = ray;
+    shorter.t_max = distance - GIVEN_OFFSET * (world.radius() + distance);
+    world.meet(shorter, place);
+  }
   return Arrival{surface, distance};
 }
 
@@ -135,9 +142,14 @@ struct Walk {
       ray = rounded(world, ray, start, rounding);
       state.direction = ray.direction;
     }
-    std::optional<Arrival> at =
-        given == nullptr ? trace(world, ray) : follow(world, ray, start, (*given)[bounce]);
+    std::optional<Arrival> at = given == nullptr ? trace(world, ray, state.place)
+                                                 : follow(world, ray, start, (*given)[bounce], state.place);
     if (!at) return std::nullopt;
+    // Between the surfaces themselves: rays start off them. Those that start beyond a facet's horizon leave
+    // no surface.
+    constexpr double NO_WAY = 1e-15;  // m; densities divide by it
+    if (world.has_contacts() && start != nullptr && state.place.triangle != INVALID_INDEX)
+      at->distance = std::max(length(at->surface.position - start->position), NO_WAY);
     if (rounding.is_on()) round_surface(world, at->surface, given != nullptr, rounding);
     return arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
   }
@@ -165,10 +177,12 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
   if (!(u.w < survival)) return false;
   state.throughput *= weight / survival;
   state.survival *= survival;
-  state.medium = world.medium_towards(vertex.surface, vertex.medium, vertex.w_back, sample.wi,
-                                      leaves_beyond(vertex, transport));
+  const bool is_beyond = leaves_beyond(vertex, transport);
+  state.medium =
+      world.medium_towards(vertex.surface, vertex.medium, vertex.around, vertex.w_back, sample.wi, is_beyond);
+  state.place = world.place_towards(vertex.surface, vertex.around, vertex.w_back, sample.wi, is_beyond);
   state.position = vertex.surface.position;
-  if (leaves_beyond(vertex, transport)) state.position += vertex.surface.rise;
+  if (is_beyond) state.position += vertex.surface.rise;
   state.direction = sample.wi;
   return true;
 }
@@ -236,13 +250,14 @@ VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edg
 
 WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
                   double cos_start, bool is_from_camera) {
-  WalkVertex vertex{surface, world.bsdf_at(surface), -state.direction};
+  WalkVertex vertex{surface, world.bsdf_at(surface, state.place.around), -state.direction};
   const double cos_arrival = std::abs(dot(state.direction, surface.geometric_normal));
   vertex.edge.distance = distance;
   vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
   vertex.edge.cos_camera_end = is_from_camera ? cos_start : cos_arrival;
   vertex.edge.transmittance = world.transmittance(state.medium, distance);
   vertex.medium = state.medium;
+  vertex.around = state.place.around;
   vertex.survival = state.survival;
   state.throughput *= vertex.edge.transmittance;
   vertex.throughput = state.throughput;
@@ -294,6 +309,8 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   subpath.density = camera.density(subpath.ray.direction);
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
+  state.place.around = world.media_of_camera(settings.camera, subpath.ray.start());
+  state.medium = world.medium_of(state.place.around);
   Footprint footprint = footprint_at_lens(camera);
   Ray ray{state.position, state.direction, subpath.ray.nearest, subpath.ray.farthest};
   Surface start_surface;
@@ -345,6 +362,8 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
                        : Ray{state.position, state.direction};
   Surface start_surface = subpath.point.surface;
   const Surface* start = is_surface ? &start_surface : nullptr;
+  state.place = place_of_light(world, subpath.point, ray);
+  state.medium = world.medium_of(state.place.around);
   double cos_start = is_surface ? std::abs(dot(state.direction, subpath.point.surface.geometric_normal)) : 1;
   state.throughput = subpath.end.emitted * cos_start / (subpath.end.point_pdf * subpath.end.density.value);
   for (uint32_t bounce = 0; bounce + 1 < settings.max_depth; ++bounce) {

@@ -80,6 +80,7 @@ struct WalkVertex {
   glm::dvec3 w_back;                           ///< unit, towards the vertex before
   Edge edge{};                                 ///< from the vertex before, oriented as in a path
   uint32_t medium = interface::INVALID_INDEX;  ///< through which the walk arrived
+  Media around{};                              ///< the solids on that side
   double survival = 1;                         ///< probability that roulette let the walk come this far
   glm::dvec3 throughput{1};  ///< of the walk on arrival, roulette divided out; for roulette and for reading
   Regularization regularization{};  ///< of the walk, or with path diffusion in path tracing of this vertex
@@ -94,6 +95,7 @@ struct WalkState {
   double survival = 1;
   double eta_scale = 1;  ///< product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
   uint32_t medium = interface::INVALID_INDEX;
+  Place place{};  ///< where the next ray starts; on arrival the solids there
 };
 
 /// The vertex where a walk in `state` arrives after `distance` metres: takes the medium's share of the

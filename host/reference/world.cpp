@@ -45,6 +45,10 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
     if (is_new) entry->second = fresnel_dielectric_average(material.ior);
     fresnel_average_.push_back(entry->second);
   }
+  if (has_contacts())
+    for (const auto& [behind, unused] : average)
+      for (const auto& [in_front, also_unused] : average)
+        relative_average_[{behind, in_front}] = fresnel_dielectric_average(double{behind} / in_front);
   const bool has_rough_bases = (scene::find_features(scene).bits & FEATURE_ROUGH_BASE) != 0;
   if (!compensates_energy && !has_rough_bases) return;
   std::vector<float> indices;
@@ -192,7 +196,7 @@ glm::dvec4 World::texture_at(uint32_t index, const scene::TextureCoordinates& uv
   return scene::sample_texture(scene_, scene_.textures[index], uv);
 }
 
-Bsdf World::bsdf_at(const Surface& surface) const {
+Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
   const Material& material = scene_.materials[surface.material];
   const glm::dvec4 metallic_roughness = texture_at(material.metallic_roughness_texture, surface.uv);
   const double roughness = material.roughness * metallic_roughness.g;
@@ -220,6 +224,13 @@ Bsdf World::bsdf_at(const Surface& surface) const {
   p.ndf = ndf_;
   p.shadowing = shadowing_;
   p.fresnel_average = fresnel_average_[surface.material];
+  const uint32_t solid = has_contacts() ? solid_of(surface.triangle) : INVALID_INDEX;
+  const uint32_t in_front = solid == INVALID_INDEX ? INVALID_INDEX : medium_of(around.without(solid));
+  if (in_front != INVALID_INDEX) {
+    const float ior_in_front = scene_.materials[in_front].ior;
+    p.ior /= ior_in_front;
+    p.fresnel_average = relative_average_.at({material.ior, ior_in_front});
+  }
   // Without a specular lobe there is no interface to compensate for.
   if (material.material_class != MATERIAL_CLASS_DIFFUSE)
     (compensates_energy_ ? p.energy : p.cover) = energy_.get();
@@ -243,34 +254,156 @@ dvec3 World::transmittance(uint32_t medium, double distance) const {
   return exp(-distance * dvec3(scene_.materials[medium].absorption));
 }
 
-uint32_t World::medium_towards(const Surface& surface, uint32_t medium, const dvec3& from, const dvec3& w,
-                               bool is_beyond) const {
+uint32_t World::solid_of(uint32_t triangle) const {
+  const std::vector<uint32_t>& of_triangle = scene_.solids.of_triangle;
+  return triangle < of_triangle.size() ? of_triangle[triangle] : INVALID_INDEX;
+}
+
+bool World::bounds_closed_solid(uint32_t triangle) const {
+  const uint32_t solid = solid_of(triangle);
+  return solid != INVALID_INDEX && scene_.solids.ranked[solid].is_closed;
+}
+
+uint32_t World::medium_of(const Media& around) const {
+  return around.first() == INVALID_INDEX ? INVALID_INDEX : scene_.solids.records[around.first()].material;
+}
+
+Place World::place_towards(const Surface& surface, const Media& around, const dvec3& from, const dvec3& w,
+                           bool is_beyond) const {
+  // The facet itself may then be in the way.
+  if (is_beyond) return {around};
+  Place place{around, surface.triangle};
+  const bool came_from_front = dot(from, surface.geometric_normal) > 0;
+  const bool leaves_to_front = dot(w, surface.geometric_normal) > 0;
+  const uint32_t solid = has_contacts() ? solid_of(surface.triangle) : INVALID_INDEX;
+  if (solid == INVALID_INDEX || came_from_front == leaves_to_front) return place;
+  came_from_front ? place.around.enter(solid) : place.around.leave(solid);
+  return place;
+}
+
+uint32_t World::medium_towards(const Surface& surface, uint32_t medium, const Media& around,
+                               const dvec3& from, const dvec3& w, bool is_beyond) const {
   const Material& material = scene_.materials[surface.material];
   const bool has_inside =
       material.material_class == MATERIAL_CLASS_TRANSMISSIVE && (material.flags & MATERIAL_VOLUME) != 0;
   const bool came_from_front = dot(from, surface.geometric_normal) > 0;
   const bool leaves_to_front = dot(w, surface.geometric_normal) > 0;
   if (!has_inside || is_beyond || came_from_front == leaves_to_front) return medium;
+  if (has_contacts() && solid_of(surface.triangle) != INVALID_INDEX)
+    return medium_of(place_towards(surface, around, from, w).around);
   return came_from_front ? surface.material : INVALID_INDEX;
+}
+
+bool World::is_passed(const Media& around, uint32_t solid) const {
+  const uint32_t other = around.without(solid).first();
+  const std::vector<Solid>& records = scene_.solids.records;
+  return other != INVALID_INDEX && (other < solid || records[other].substance == records[solid].substance);
+}
+
+namespace {
+
+// Interfaces without any that a ray passes at most: as in shaders/lib/contacts.glsl.
+constexpr int MAX_PASSED = 64;
+
+void cross_boundary(Media& media, uint32_t solid, bool is_front) {
+  is_front ? media.enter(solid) : media.leave(solid);
+}
+
+}  // namespace
+
+std::optional<Intersection> World::meet(const Ray& ray, Place& place) const {
+  if (!has_contacts()) return traversal_.closest(ray);
+  // From where it starts to see.
+  Contact contact{place.around};
+  contact.end = ray.t_max - ray.t_min;
+  contact.left = place.triangle == INVALID_INDEX ? INVALID_INDEX : solid_of(place.triangle);
+  contact.triangle = place.triangle;
+  Ray own = ray;
+  own.origin += ray.t_min * ray.direction;
+  own.contact = &contact;
+  own.skip_first = INVALID_INDEX;
+  std::optional<Intersection> hit;
+  for (int passed = 0; passed < MAX_PASSED; ++passed) {
+    hit = traversal_.closest(own);
+    const uint32_t solid = hit ? solid_of(hit->triangle) : INVALID_INDEX;
+    if (solid == INVALID_INDEX || !is_passed(contact.around, solid)) break;
+    cross_boundary(contact.around, solid, hit->is_front);
+    contact.from = hit->t;
+    contact.crossed = solid;
+  }
+  place.around = contact.around;
+  if (hit) hit->t = std::max(hit->t, 0.0) + ray.t_min;
+  return hit;
+}
+
+Media World::media_at(const dvec3& point) const {
+  Contact contact;
+  contact.is_blind = true;
+  const Ray ray{.origin = point, .direction = normalize(dvec3(0.5377, 0.7339, 0.4151)), .contact = &contact};
+  for (int crossed = 0; crossed < MAX_PASSED; ++crossed) {
+    const auto hit = traversal_.closest(ray);
+    if (!hit) break;
+    const uint32_t solid = solid_of(hit->triangle);
+    if (!hit->is_front && !contact.around.contain(solid))
+      contact.holding.enter(solid);
+    else
+      cross_boundary(contact.around, solid, hit->is_front);
+    contact.from = hit->t;
+    contact.crossed = solid;
+  }
+  return contact.holding;
+}
+
+Media World::media_of_set(uint32_t set, const dvec3& origin) const {
+  return set == MEDIA_VARY ? media_at(origin) : Media(scene_.solids.media_sets[set]);
+}
+
+Media World::media_of_camera(uint32_t camera, const dvec3& origin) const {
+  return has_contacts() ? media_of_set(scene_.solids.of_camera.at(camera), origin) : Media();
+}
+
+Media World::media_of_light(uint32_t light, const dvec3& origin) const {
+  return has_contacts() ? media_of_set(scene_.solids.of_light.at(light), origin) : Media();
 }
 
 Ray World::ray_from(const Surface& surface, const dvec3& direction, bool is_beyond) const {
   // The facet itself may then be in the way.
   if (is_beyond) return {surface.position + surface.rise, direction};
   const dvec3 size = glm::abs(surface.position);
+  const double largest = std::max({size.x, size.y, size.z});
   Ray ray{surface.position, direction};
-  ray.t_min = SEGMENT_START * std::max({size.x, size.y, size.z, std::sqrt(surface.area)});
+  if (has_contacts()) {
+    // Off what else lies in the same plane, as the device's clearance; boundaries of closed solids need none.
+    const double side = dot(direction, surface.geometric_normal) < 0 ? -1 : 1;
+    if (!bounds_closed_solid(surface.triangle))
+      ray.origin += side * 2 * CONTACT_ROUNDINGS * 0x1p-24 * largest * surface.geometric_normal;
+    return ray;
+  }
+  ray.t_min = SEGMENT_START * std::max(largest, std::sqrt(surface.area));
   ray.skip_first = surface.triangle;
   return ray;
 }
 
-bool World::is_visible(const Surface& from, const dvec3& to, uint32_t target, bool is_beyond) const {
+bool World::is_visible(const Surface& from, const Place& place, const dvec3& to, uint32_t target,
+                       bool is_beyond) const {
   const dvec3 segment = to - (is_beyond ? from.position + from.rise : from.position);
   const double distance = length(segment);
   Ray ray = ray_from(from, segment / distance, is_beyond);
   ray.t_max = distance - ray.t_min;
   ray.skip_last = target;
-  return !traversal_.is_occluded(ray);
+  if (!has_contacts()) return !traversal_.is_occluded(ray);
+  // The end is as far off its surface as the start.
+  const dvec3 size = glm::abs(to);
+  ray.t_max -= 4 * CONTACT_ROUNDINGS * 0x1p-24 * std::max({size.x, size.y, size.z});
+  Place there = place;
+  return !meet(ray, there);
+}
+
+bool World::is_open(const Surface& from, const Place& place, const dvec3& direction, bool is_beyond) const {
+  const Ray ray = ray_from(from, direction, is_beyond);
+  if (!has_contacts()) return !traversal_.is_occluded(ray);
+  Place there = place;
+  return !meet(ray, there);
 }
 
 }  // namespace regulus::reference

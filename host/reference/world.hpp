@@ -3,10 +3,14 @@
 #pragma once
 
 #include <glm/glm.hpp>
+#include <map>
 #include <memory>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "reference/bsdf.hpp"
+#include "reference/media.hpp"
 #include "reference/traversal.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene.hpp"
@@ -38,6 +42,13 @@ struct Surface {
   glm::dvec3 rise{0};  ///< to the curved surface that they tell of on that side, m (Hanika 2021)
 };
 
+/// Where a ray starts: the solids around it and the surface that it leaves, if any.
+struct Place {
+  Media around;
+  uint32_t triangle = interface::INVALID_INDEX;
+  glm::dvec2 barycentrics{0};  ///< only where a walk was recorded
+};
+
 /// A scene with its tree and microfacet model. Scene and tree must outlive it.
 class World {
  public:
@@ -63,8 +74,9 @@ class World {
   /// where the front is convex; at most one over the longest edge. 0 without vertex normals.
   double mean_curvature(uint32_t triangle) const;
 
-  /// The material at a surface point, textures applied.
-  Bsdf bsdf_at(const Surface& surface) const;
+  /// The material at a surface point, textures applied. Where the scene has contacts, `around` (the solids on
+  /// one of its sides) says what is in front of it.
+  Bsdf bsdf_at(const Surface& surface, const Media& around = {}) const;
 
   /// Radiance that the surface's material emits there, whatever the side.
   glm::dvec3 emission_at(const Surface& surface) const;
@@ -76,23 +88,53 @@ class World {
   glm::dvec3 transmittance(uint32_t medium, double distance) const;
 
   /// The medium on the side of the surface that w points to, for a path that arrived through `medium` from
-  /// the side of `from`.
+  /// the side of `from`, where `around` is.
   /// `is_beyond`: w lies beyond the facet's horizon, but leaves to the side of `from`.
-  uint32_t medium_towards(const Surface& surface, uint32_t medium, const glm::dvec3& from,
-                          const glm::dvec3& w, bool is_beyond = false) const;
+  uint32_t medium_towards(const Surface& surface, uint32_t medium, const Media& around,
+                          const glm::dvec3& from, const glm::dvec3& w, bool is_beyond = false) const;
+
+  /// Where a ray along w starts from a surface that was reached from the side of `from`, where `around` is.
+  /// `is_beyond` as above: from no surface then, for its own facet may be in the way.
+  Place place_towards(const Surface& surface, const Media& around, const glm::dvec3& from,
+                      const glm::dvec3& w, bool is_beyond = false) const;
+
+  /// Whether the scene has FEATURE_CONTACTS. Without, places do not matter.
+  bool has_contacts() const { return scene_.solids.has_contacts; }
+
+  /// Material of the medium where several solids are; INVALID_INDEX: none.
+  uint32_t medium_of(const Media& around) const;
+
+  /// What holds a camera's ray, or a light's, that starts (to see) at `origin`.
+  Media media_of_camera(uint32_t camera, const glm::dvec3& origin) const;
+  Media media_of_light(uint32_t light, const glm::dvec3& origin) const;
+
+  /// The solids that hold a point: those that a ray from there leaves without having entered them.
+  Media media_at(const glm::dvec3& point) const;
+
+  /// What the ray meets next, between its t_min and t_max; `place` is at t_min. Interfaces that are none are
+  /// passed, which `place` follows.
+  std::optional<Intersection> meet(const Ray& ray, Place& place) const;
 
   /// Ray from a surface point. `is_beyond`: from the curved surface that the facet stands for, in a direction
   /// beyond its horizon.
   Ray ray_from(const Surface& surface, const glm::dvec3& direction, bool is_beyond = false) const;
 
   /// True if nothing lies strictly between a surface point and another point (on triangle `target`, if any).
-  bool is_visible(const Surface& from, const glm::dvec3& to, uint32_t target = interface::INVALID_INDEX,
-                  bool is_beyond = false) const;
+  bool is_visible(const Surface& from, const Place& place, const glm::dvec3& to,
+                  uint32_t target = interface::INVALID_INDEX, bool is_beyond = false) const;
+
+  /// The same for a ray without an end.
+  bool is_open(const Surface& from, const Place& place, const glm::dvec3& direction,
+               bool is_beyond = false) const;
 
  private:
   /// Fills what concerns bulges. `sign_of_normals`: -1 if the vertex normals point to the back.
   void set_bulge(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
                  double sign_of_normals) const;
+  uint32_t solid_of(uint32_t triangle) const;  // INVALID_INDEX: it bounds none
+  bool bounds_closed_solid(uint32_t triangle) const;
+  bool is_passed(const Media& around, uint32_t solid) const;
+  Media media_of_set(uint32_t set, const glm::dvec3& origin) const;
   /// Front shading normal by a normal map; `normal` is the vertices' sum, that of the surface their
   /// direction.
   glm::dvec3 mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
@@ -109,7 +151,8 @@ class World {
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;
-  std::vector<double> fresnel_average_;  // by material
+  std::vector<double> fresnel_average_;                         // by material
+  std::map<std::pair<float, float>, double> relative_average_;  // by index behind and in front, with contacts
   bool compensates_energy_ = false;
   std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated, or some base has a rough cover
 };

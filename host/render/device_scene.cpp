@@ -23,6 +23,12 @@ const scene::LightTree& light_tree_of(const scene::Scene& scene, const RenderSet
   return settings.light_sampling == interface::LIGHT_SAMPLING_BVH ? scene.light_tree : NO_LIGHT_TREE;
 }
 
+const scene::Solids NO_SOLIDS;
+
+const scene::Solids& solids_of(const scene::Scene& scene) {
+  return scene.solids.has_contacts ? scene.solids : NO_SOLIDS;
+}
+
 gpu::Buffer energy_tables_of(gpu::Device& device, const scene::Scene& scene, const RenderSettings& settings) {
   const uint32_t feature =
       settings.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
@@ -78,6 +84,9 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       energy_tables_(energy_tables_of(device, scene, settings)),
+      solids_(gpu::upload_new(device, solids_of(scene).records, "solids")),
+      media_sets_(gpu::upload_new(device, solids_of(scene).media_sets, "media sets")),
+      light_media_(gpu::upload_new(device, solids_of(scene).of_light, "media of lights")),
       environment_(environment_of(scene).parameters),
       light_tree_{interface::device_address(light_pairs_.address()),
                   interface::device_address(light_trails_.address()), scene.light_tree.center,
@@ -92,7 +101,9 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
-      radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)) {
+      radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)),
+      has_contacts_(scene.solids.has_contacts),
+      camera_media_(has_contacts_ ? scene.solids.of_camera.at(settings.camera) : 0) {
   std::vector<interface::Texture> textures = scene.textures;
   images_ = upload_images(device, scene.images, device.info().max_allocation_bytes, textures);
   textures_ = gpu::upload_new(device, textures, "textures");
@@ -120,6 +131,10 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);
+  frame.solids = address(solids_);
+  frame.media_sets = address(media_sets_);
+  frame.light_media = address(light_media_);
+  frame.camera_media = camera_media_;
   frame.environment = environment_;
   frame.light_count = light_count_;
   frame.scene_center = center_;

@@ -102,7 +102,7 @@ struct Renderer::Impl {
         pixels(settings.window().pixels()),
         total_paths(pixels * settings.samples),
         scene(device, scene_in, bvh, settings),
-        path_bytes(bytes_per_path(settings, scene.has_environment())),
+        path_bytes(bytes_per_path(settings, scene)),
         capacity(choose_capacity(device, settings, path_bytes,
                                  std::max<uint64_t>(total_paths, settings.light_paths))),
         plan(plan_light_vertices(settings)),
@@ -372,6 +372,7 @@ struct Renderer::Impl {
     statistics.light_paths = finished_light;
     statistics.non_finite = counter(COUNTER_NON_FINITE);
     statistics.traversal_overruns = counter(COUNTER_TRAVERSAL_OVERRUN);
+    statistics.forgotten_media = counter(COUNTER_MEDIA_OVERFLOW);
     for (uint32_t queue = 0; queue < QUEUES_PER_BOUNCE; ++queue) {
       statistics.camera_items[queue] =
           counter(COUNTER_QUEUE_ITEMS + COUNTED_CAMERA_PASS * QUEUES_PER_BOUNCE + queue);

@@ -100,6 +100,11 @@ struct StageRecorder::Impl {
     device.wait(submission);
   }
 
+  // Nothing without FEATURE_CONTACTS.
+  std::vector<PathMedia> media(const gpu::Buffer& buffer, size_t count) {
+    return buffer.size() == 0 ? std::vector<PathMedia>() : download<PathMedia>(buffer, count);
+  }
+
   std::vector<Hit> trace_closest(Pass pass, const StageArguments& arguments) {
     fill(buffers.hits_, INVALID_INDEX);  // a ray that misses leaves no hit
     run(pass, "trace_closest", arguments);
@@ -111,7 +116,9 @@ struct StageRecorder::Impl {
     RecordedBounce recorded;
     recorded.slots = ray_queue(arguments.bounce);
     recorded.before = download<Path>(buffers.paths_, paths);
+    recorded.media_before = media(buffers.path_media_, paths);
     recorded.hits = trace_closest(pass, arguments);
+    recorded.media_on_arrival = media(buffers.path_media_, paths);
     run(pass, "escape", arguments);
     run(pass, is_camera ? "camera_bounce" : "light_bounce", arguments);
     recorded.after = download<Path>(buffers.paths_, paths);
@@ -119,6 +126,7 @@ struct StageRecorder::Impl {
     if (!is_camera) return recorded;
     recorded.candidates =
         download<VisibilityCandidate>(buffers.candidates_, queue_count(arguments.bounce, QUEUE_VISIBILITY));
+    recorded.candidate_media = media(buffers.candidate_media_, recorded.candidates.size());
     recorded.radiance_before_visibility = download<glm::vec3>(buffers.radiance_, paths);
     run(pass, "trace_visibility", arguments);
     recorded.radiance = download<glm::vec3>(buffers.radiance_, paths);
@@ -133,17 +141,20 @@ struct StageRecorder::Impl {
   // is one, and its radiance tells whether it is open.
   void probe(const StageArguments& arguments, float share, RecordedBounce& recorded) {
     std::vector<VisibilityCandidate> segments;
+    std::vector<PathMedia> segment_media;
     for (const uint32_t slot : recorded.slots) {
       const Path& path = recorded.before[slot];
       const Hit& hit = recorded.hits[slot];
       if (hit.triangle == INVALID_INDEX) continue;
       segments.push_back({path.origin, share * hit.t, path.direction, slot, glm::vec3(1)});
+      if (!recorded.media_before.empty()) segment_media.push_back(recorded.media_before[slot]);
     }
     if (segments.empty()) return;
     const auto count = static_cast<uint32_t>(segments.size());
     const QueueHead head{(count + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE, 1, 1, count};
     const size_t place = size_t{arguments.bounce} * QUEUES_PER_BOUNCE + QUEUE_VISIBILITY;
     device.upload(buffers.candidates_, 0, gpu::bytes_of(segments));
+    if (!segment_media.empty()) device.upload(buffers.candidate_media_, 0, gpu::bytes_of(segment_media));
     device.upload(buffers.queue_heads, place * sizeof(QueueHead), gpu::bytes_of(head));
     fill(buffers.radiance_, 0);
     run(Pass::Camera, "trace_visibility", arguments);
@@ -179,14 +190,18 @@ struct StageRecorder::Impl {
     start_wave(&buffers.light_vertex_count);
     if (buffers.splat_film.size() != 0) start_wave(&buffers.splat_film);
     splats.clear();
+    recording.splat_media.clear();
     StageArguments arguments = arguments_of(sample);
     run(Pass::Light, "light_generate", arguments);
+    run(Pass::Light, "start_media", arguments);
     for (uint32_t bounce = 0; bounce + 1 < std::max(settings.max_depth, 2u); ++bounce) {
       arguments.bounce = bounce;
       recording.light_hits.push_back(trace_closest(Pass::Light, arguments));
       run(Pass::Light, "light_bounce", arguments);
       const auto queued = download<SplatCandidate>(buffers.splats_, queue_count(bounce, QUEUE_SPLATS));
       splats.insert(splats.end(), queued.begin(), queued.end());
+      const std::vector<PathMedia> own = media(buffers.splat_media_, queued.size());
+      recording.splat_media.insert(recording.splat_media.end(), own.begin(), own.end());
       run(Pass::Light, "trace_splats", arguments);
     }
     const auto count = download<uint32_t>(buffers.light_vertex_count, 1).front();
@@ -281,6 +296,7 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   arguments.first_pixel = first_path;
   arguments.first_sample = sample;
   impl.run(pass, pass == Pass::Camera ? "camera_generate" : "light_generate", arguments);
+  impl.run(pass, "start_media", arguments);
   Recording recording;
   recording.generated = impl.download<Path>(impl.buffers.paths_, impl.paths);
   const uint32_t bounces =
@@ -315,6 +331,7 @@ void StageRecorder::record_connections(uint32_t sample, ConnectionRecording& rec
   StageArguments arguments = impl.arguments_of(sample);
   impl.start_wave(&impl.buffers.film);
   impl.run(Pass::Camera, "camera_generate", arguments);
+  impl.run(Pass::Camera, "start_media", arguments);
   for (arguments.bounce = 0; arguments.bounce < impl.settings.max_depth; ++arguments.bounce) {
     recording.bounces.push_back(impl.record_bounce_connections(arguments));
     if (impl.queue_count(arguments.bounce + 1, QUEUE_RAYS) == 0) break;

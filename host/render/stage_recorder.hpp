@@ -21,8 +21,12 @@ struct Probe {
 
 /// A bounce of a wave. Arrays are by path slot unless they say otherwise.
 struct RecordedBounce {
-  std::vector<uint32_t> slots;                             ///< list: traced in this bounce
-  std::vector<interface::Path> before;                     ///< as traced
+  std::vector<uint32_t> slots;          ///< list: traced in this bounce
+  std::vector<interface::Path> before;  ///< as traced
+  std::vector<interface::PathMedia>
+      media_before;  ///< likewise; these three are empty without FEATURE_CONTACTS
+  std::vector<interface::PathMedia> media_on_arrival;
+  std::vector<interface::PathMedia> candidate_media;       ///< list, as `candidates`
   std::vector<interface::Hit> hits;                        ///< triangle INVALID_INDEX: missed
   std::vector<interface::Path> after;                      ///< as the bounce stages left them
   std::vector<uint32_t> continuing;                        ///< list: traced in the next bounce
@@ -63,6 +67,7 @@ struct ConnectionRecording {
   std::vector<interface::LightPathHead> heads;          ///< by light path
   std::vector<interface::PathVertex> light_vertices;    ///< in the order in which they were stored
   std::vector<interface::SplatCandidate> splats;        ///< of all bounces
+  std::vector<interface::PathMedia> splat_media;        ///< likewise; empty without FEATURE_CONTACTS
   std::vector<glm::dvec3> splat_film;                   ///< by pixel: what trace_splats made of them
   std::vector<uint32_t> path_counts, path_ends;         ///< by light path, before and after the scan
   std::vector<uint32_t> cell_counts, cell_ends;         ///< by cell and one more, likewise

@@ -56,6 +56,7 @@ bool is_needed(const StageStep& step, const scene::Features& features, const Ren
   if (step.techniques != ANY_TECHNIQUE && (settings.techniques & step.techniques) == 0) return false;
   if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
   if (step.needs == Needs::Environment && (features.bits & FEATURE_ENVIRONMENT) == 0) return false;
+  if (step.needs == Needs::VaryingMedia && !features.has_varying_starts) return false;
   if (step.needs == Needs::Variance && (settings.aovs & AOV_VARIANCE) == 0) return false;
   if (step.needs == Needs::SurfaceAovs && (settings.aovs & SURFACE_AOVS) == 0) return false;
   if (step.needs == Needs::SurfaceFootprints && (settings.aovs & AOV_SIGMA) == 0) return false;

@@ -37,7 +37,15 @@ enum class Extent {
 };
 
 /// When a step is needed at all, beside its technique.
-enum class Needs { Nothing, CacheConnections, Environment, Variance, SurfaceAovs, SurfaceFootprints };
+enum class Needs {
+  Nothing,
+  CacheConnections,
+  Environment,
+  Variance,
+  SurfaceAovs,
+  SurfaceFootprints,
+  VaryingMedia
+};
 
 /// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
 /// queues and need no order between them.
@@ -65,6 +73,7 @@ inline constexpr uint32_t DIFFUSE = MATERIAL_CLASS_DIFFUSE, OPAQUE = MATERIAL_CL
 // clang-format off
 inline constexpr std::array STAGES = {
     StageStep{Pass::Light,  "light_generate",    "light_generate",              Extent::WaveStart,     0,                           ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,  "start_media",       "light.start_media",           Extent::WaveStart,     0,                           ANY_CLASS,    LIGHT,             Needs::VaryingMedia},
     StageStep{Pass::Light,  "trace_closest",     "light.trace_closest",         Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    LIGHT},
     StageStep{Pass::Light,  "light_bounce",      "light_bounce.diffuse",        Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      LIGHT},
     StageStep{Pass::Light,  "light_bounce",      "light_bounce.opaque",         Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       LIGHT},
@@ -80,6 +89,7 @@ inline constexpr std::array STAGES = {
     StageStep{Pass::Grid,   "grid_scatter",      "grid_scatter",                Extent::LightVertices, 0,                           ANY_CLASS,    TECHNIQUE_MERGE},
 
     StageStep{Pass::Camera, "camera_generate",   "camera_generate",             Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera, "start_media",       "start_media",                 Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA,            Needs::VaryingMedia},
     StageStep{Pass::Camera, "trace_closest",     "trace_closest",               Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    CAMERA},
     StageStep{Pass::Camera, "escape",            "escape",                      Extent::Bounce,        QUEUE_ESCAPED,               ANY_CLASS,    TECHNIQUE_HIT, Needs::Environment},
     StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.diffuse",       Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      CAMERA},

@@ -32,6 +32,7 @@ struct RenderStatistics {
   QueueItems camera_items{}, light_items{};  ///< by QUEUE_*, over all bounces of the camera and light passes
   uint64_t non_finite = 0;                   ///< samples dropped because NaN, infinite or negative: bugs
   uint64_t traversal_overruns = 0;           ///< rays whose traversal hit its step bound: bugs
+  uint64_t forgotten_media = 0;              ///< solids that paths forgot, inside of more than MEDIA_SET_SIZE
   SubmissionStatistics submissions;
   uint32_t wave_capacity = 0;   ///< path slots
   uint64_t bytes_per_path = 0;  ///< device memory per path in flight

@@ -78,7 +78,7 @@ LightVertexPlan plan_light_vertices(const RenderSettings& settings) {
   return plan;
 }
 
-uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
+uint64_t bytes_per_path(const RenderSettings& settings, const DeviceScene& scene) {
   const LightVertexPlan plan = plan_light_vertices(settings);
   const uint64_t pairs = pairs_per_path(settings);
   uint64_t bytes = sizeof(Path) + sizeof(Hit) + sizeof(vec3) + 2 * sizeof(uint32_t) +
@@ -87,7 +87,12 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
   bytes += splats_per_path(settings) * sizeof(SplatCandidate);
   if (settings.has_strategy_images)
     bytes += (1 + pairs + splats_per_path(settings)) * sizeof(StrategyCandidate);
-  if (has_environment) bytes += sizeof(uint32_t);
+  if (scene.has_environment()) bytes += sizeof(uint32_t);
+  if (scene.has_contacts()) {
+    bytes += (2 + pairs + splats_per_path(settings)) * sizeof(PathMedia);
+    if (plan.has_vertices)
+      bytes += sizeof(MediaSet) * (1 + (plan.is_per_wave ? vertices_per_path(settings) : 0));
+  }
   if (plan.has_receivers) bytes += sizeof(LightReceiver);
   if (plan.has_vertices) bytes += sizeof(PathVertex);
   if (plan.has_histories)
@@ -103,7 +108,7 @@ uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment) {
 
 WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const Camera& camera,
                                    const RenderSettings& settings, uint32_t capacity)
-    : plan_(plan_light_vertices(settings)) {
+    : plan_(plan_light_vertices(settings)), has_contacts_(scene.has_contacts()) {
   scene.fill(frame_);
   frame_.width = settings.width;
   frame_.height = settings.height;
@@ -122,6 +127,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.pair_capacity = static_cast<uint32_t>(capacity * pairs_per_path(settings));
   frame_.cache_connections = settings.cache_connections;
   create_path_buffers(device, settings, scene.has_environment());
+  if (has_contacts_) create_media_buffers(device, settings);
   create_light_buffers(device, settings);
   if (settings.has_strategy_images) create_strategy_buffers(device, settings);
   frame_buffer_ = gpu::upload_new(device, std::vector<Frame>{frame_}, "frame");
@@ -182,6 +188,21 @@ void WavefrontBuffers::create_path_buffers(gpu::Device& device, const RenderSett
   frame_.counters = address(counters);
 }
 
+void WavefrontBuffers::create_media_buffers(gpu::Device& device, const RenderSettings& settings) {
+  const auto per_path = [&](uint64_t bytes, const char* name, DeviceAddress& target) {
+    gpu::Buffer buffer = device.create_buffer(frame_.wave_capacity * bytes, name);
+    target = address(buffer);
+    return buffer;
+  };
+  path_media_ = per_path(sizeof(PathMedia), "media of paths", frame_.path_media);
+  candidate_media_ = per_path((1 + pairs_per_path(settings)) * sizeof(PathMedia), "media of candidates",
+                              frame_.candidate_media);
+  splat_media_ =
+      per_path(splats_per_path(settings) * sizeof(PathMedia), "media of splats", frame_.splat_media);
+  if (plan_.has_vertices)
+    camera_vertex_media_ = per_path(sizeof(MediaSet), "media of camera vertices", frame_.camera_vertex_media);
+}
+
 void WavefrontBuffers::create_strategy_buffers(gpu::Device& device, const RenderSettings& settings) {
   const std::vector<Strategy> strategies = list_strategies(settings.techniques, settings.max_depth);
   const uint64_t words = 2 * strategies.size() * settings.window().pixels() * FILM_WORDS_PER_PIXEL;
@@ -225,10 +246,12 @@ void WavefrontBuffers::create_light_buffers(gpu::Device& device, const RenderSet
 void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertices) {
   const uint64_t bytes_each = sizeof(PathVertex) + (plan_.has_sharp ? sizeof(vec2) : 0) +
                               (plan_.has_histories ? sizeof(PathHistory) : 0) +
+                              (has_contacts_ ? sizeof(MediaSet) : 0) +
                               (plan_.has_merges ? sizeof(GridEntry) + sizeof(uint32_t) : 0);
   light_vertices_ = {};
   light_vertex_sharp_ = {};
   light_vertex_histories_ = {};
+  light_vertex_media_ = {};
   grid_ranks_ = {};
   grid_entries_ = {};
   if (vertices >= INVALID_INDEX || vertices * bytes_each > device.free_bytes())
@@ -247,6 +270,10 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
   if (plan_.has_histories) {
     light_vertex_histories_ = device.create_buffer(vertices * sizeof(PathHistory), "light vertex histories");
     frame_.light_vertex_histories = address(light_vertex_histories_);
+  }
+  if (has_contacts_) {
+    light_vertex_media_ = device.create_buffer(vertices * sizeof(MediaSet), "media of light vertices");
+    frame_.light_vertex_media = address(light_vertex_media_);
   }
   if (plan_.has_merges) {
     const uint64_t cells = std::clamp<uint64_t>(std::bit_ceil(vertices), 64, MAX_GRID_CELLS);

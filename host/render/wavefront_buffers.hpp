@@ -35,7 +35,7 @@ uint64_t pairs_per_path(const RenderSettings& settings);
 uint64_t most_paths(const RenderSettings& settings, uint64_t most_groups, uint64_t most_bytes);
 
 /// Device bytes of one path slot, over all queues.
-uint64_t bytes_per_path(const RenderSettings& settings, bool has_environment);
+uint64_t bytes_per_path(const RenderSettings& settings, const DeviceScene& scene);
 
 class WavefrontBuffers {
  public:
@@ -65,6 +65,7 @@ class WavefrontBuffers {
  private:
   friend class StageRecorder;  // reads the queues between stages
   void create_path_buffers(gpu::Device& device, const RenderSettings& settings, bool has_environment);
+  void create_media_buffers(gpu::Device& device, const RenderSettings& settings);
   void create_strategy_buffers(gpu::Device& device, const RenderSettings& settings);
   void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
 
@@ -75,7 +76,9 @@ class WavefrontBuffers {
       pairs_, merge_starts_, escaped_;
   gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_, strategy_layers_,
       candidate_strategies_, splat_strategies_, light_vertex_sharp_, light_receivers_, path_histories_,
-      camera_vertex_histories_, light_vertex_histories_;
+      camera_vertex_histories_, light_vertex_histories_, path_media_, camera_vertex_media_,
+      light_vertex_media_, candidate_media_, splat_media_;
+  bool has_contacts_ = false;
 };
 
 }  // namespace regulus::render

@@ -20,16 +20,24 @@ constexpr double WIDEST_FILM = 4;
 // Cameras times triangles; beyond, planes are kept without looking.
 constexpr uint64_t MAX_TESTS = uint64_t{1} << 31;
 
+/// Half the extent of what a camera sees at depth z is at_lens + z * growth.
+struct HalfExtents {
+  double at_lens, growth;
+};
+
+HalfExtents half_extents(const SceneCamera& camera) {
+  const double half_height = glm::length(dvec3(make_camera(camera, 1, 1).up));
+  const double half = WIDEST_FILM * half_height * std::max(1.0, double{camera.aspect_ratio});
+  if (camera.is_orthographic) return {half, 0};
+  const double lens = camera.lens_radius;
+  return {lens, half + lens / camera.focus_distance};
+}
+
 /// What a camera sees between two depths: where these functions of (x, y, depth, 1) in its frame are >= 0.
 class Region {
  public:
   Region(const SceneCamera& camera, double nearest, double farthest) : view_(make_camera(camera, 1, 1)) {
-    const double half_height = glm::length(dvec3(view_.up));
-    const double half = WIDEST_FILM * half_height * std::max(1.0, double{camera.aspect_ratio});
-    // Half the extent at depth z is at_lens + z * growth.
-    const double lens = camera.is_orthographic ? 0 : camera.lens_radius;
-    const double at_lens = camera.is_orthographic ? half : lens;
-    const double growth = camera.is_orthographic ? 0 : half + lens / camera.focus_distance;
+    const auto [at_lens, growth] = half_extents(camera);
     planes_ = {dvec4(1, 0, growth, at_lens), dvec4(-1, 0, growth, at_lens), dvec4(0, 1, growth, at_lens),
                dvec4(0, -1, growth, at_lens), dvec4(0, 0, 1, -nearest)};
     if (farthest < std::numeric_limits<double>::infinity()) planes_.emplace_back(0, 0, -1, farthest);
@@ -105,6 +113,11 @@ bool has_surfaces(const Scene& scene, const Region& region) {
 }
 
 }  // namespace
+
+double half_extent_at_near_plane(const SceneCamera& camera) {
+  const auto [at_lens, growth] = half_extents(camera);
+  return at_lens + camera.z_near * growth;
+}
 
 void drop_idle_planes(Scene& scene) {
   if (scene.cameras.size() * placed_triangle_count(scene) > MAX_TESTS) return;

@@ -10,4 +10,7 @@ namespace regulus::scene {
 /// may see beyond what is looked at here.
 void drop_idle_planes(Scene& scene);
 
+/// How far from its axis a camera may see at its near plane, horizontally or vertically, m. Films as above.
+double half_extent_at_near_plane(const SceneCamera& camera);
+
 }  // namespace regulus::scene

@@ -185,7 +185,9 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_CLIPPING, "clipping", "the planes between which cameras see"},
       FeatureDescription{FEATURE_LIGHT_RANGES, "light_ranges", "the ends of lights of limited range"},
       FeatureDescription{FEATURE_INSTANCES, "instances",
-                         "trees of meshes below the scene's, and the placing of their triangles"}};
+                         "trees of meshes below the scene's, and the placing of their triangles"},
+      FeatureDescription{FEATURE_CONTACTS, "contacts",
+                         "which solids a path is inside, and the order of surfaces in one place"}};
   return DESCRIPTIONS;
 }
 
@@ -224,6 +226,11 @@ Features find_features(const Scene& scene) {
   if (std::any_of(scene.cameras.begin(), scene.cameras.end(),
                   [](const SceneCamera& camera) { return camera.z_near > 0 || camera.z_far < NO_FAR_PLANE; }))
     features.bits |= interface::FEATURE_CLIPPING;
+  if (scene.solids.has_contacts) features.bits |= interface::FEATURE_CONTACTS;
+  const auto varies = [](const std::vector<uint32_t>& sets) {
+    return std::ranges::find(sets, interface::MEDIA_VARY) != sets.end();
+  };
+  features.has_varying_starts = varies(scene.solids.of_camera) || varies(scene.solids.of_light);
   return features;
 }
 

@@ -36,6 +36,11 @@ bool emits(const Document& document, const tinygltf::Primitive& primitive) {
          may_emit(document.model.materials[static_cast<size_t>(primitive.material)]);
 }
 
+bool refracts(const Document& document, const tinygltf::Primitive& primitive) {
+  return primitive.material >= 0 &&
+         may_refract(document.model.materials[static_cast<size_t>(primitive.material)]);
+}
+
 /// Makes the colours one per vertex, or none if all are white, as many exporters write them.
 void complete_colors(Scene& scene) {
   auto& colors = scene.vertex_colors;
@@ -104,7 +109,7 @@ std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size
   std::vector<PrimitiveToStore> result;
   const auto& primitives = document.model.meshes[mesh].primitives;
   for (size_t i = 0; i < primitives.size(); ++i)
-    if (is_drawn(primitives[i]) && !emits(document, primitives[i]))
+    if (is_drawn(primitives[i]) && !emits(document, primitives[i]) && !refracts(document, primitives[i]))
       result.push_back({mesh, i, glm::translate(glm::dmat4(1.0), -form.origin), INVALID_INDEX, form.pose});
   return result;
 }
@@ -179,7 +184,8 @@ class GeometryBuilder {
           is_in_form(document_, places[place], forms_) && place_copy(mesh, places[place].to_world, place);
       const auto& primitives = document_.model.meshes[mesh].primitives;
       for (size_t i = 0; i < primitives.size(); ++i)
-        if (is_drawn(primitives[i]) && (!is_copy || emits(document_, primitives[i])))
+        if (is_drawn(primitives[i]) &&
+            (!is_copy || emits(document_, primitives[i]) || refracts(document_, primitives[i])))
           rest.push_back({mesh, i, places[place].to_world, place, places[place].pose.get()});
     }
     require_memory(document_, rest, scene_);

@@ -340,6 +340,11 @@ void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order) {
   reordered.reserve(order.size());
   for (const uint32_t old_index : order) reordered.push_back(scene.triangles.at(old_index));
   scene.triangles = std::move(reordered);
+  if (scene.solids.of_triangle.empty()) return;
+  std::vector<uint32_t> solids;
+  solids.reserve(order.size());
+  for (const uint32_t old_index : order) solids.push_back(scene.solids.of_triangle.at(old_index));
+  scene.solids.of_triangle = std::move(solids);
 }
 
 }  // namespace regulus::scene

@@ -315,6 +315,20 @@ void drop_needless_alpha(Scene& scene) {
   }
 }
 
+/// materials[].extras.regulus.priority: which solid decides where several overlap, see Solids.
+float priority(Document& document, size_t index, const std::string& name) {
+  const nlohmann::json* value = &document.json["materials"][index];
+  for (const char* member : {"extras", "regulus", "priority"}) {
+    if (!value->is_object() || !value->contains(member)) return 0;
+    value = &(*value)[member];
+  }
+  if (!value->is_number()) {
+    document.warn(name + ": extras.regulus.priority is not a number and is ignored");
+    return 0;
+  }
+  return finite_float(document, value->get<double>(), name + ": extras.regulus.priority");
+}
+
 }  // namespace
 
 interface::Material untextured_material() {
@@ -346,6 +360,11 @@ bool may_emit(const tinygltf::Material& material) {
   return is_unlit(material) || std::any_of(factor.begin(), factor.end(), [](double x) { return x != 0; });
 }
 
+bool may_refract(const tinygltf::Material& material) {
+  return material.extensions.count("KHR_materials_transmission") != 0 &&
+         material.extensions.count("KHR_materials_volume") != 0;
+}
+
 void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
   const auto& sources = document.model.materials;
   std::vector<bool> is_used(sources.size() + 1, false);
@@ -359,6 +378,7 @@ void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
     material.material_class = classify(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);
+    scene.material_priorities.push_back(priority(document, i, name));
   }
   if (is_used.back()) {
     tinygltf::Material standard;

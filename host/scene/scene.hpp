@@ -16,6 +16,7 @@
 #include "interface/scene.h"
 #include "scene/environment.hpp"
 #include "scene/light_tree.hpp"
+#include "scene/solids.hpp"
 
 namespace regulus::scene {
 
@@ -94,12 +95,14 @@ struct Scene {
   uint32_t instance_block_shift = 0;           ///< blocks are 2^this numbers long
   std::vector<interface::Material> materials;
   std::vector<std::string> material_names;
+  std::vector<float> material_priorities;  ///< extras.regulus.priority; where there is none: 0
   std::vector<interface::Texture> textures;
   std::vector<std::vector<uint32_t>> images;  ///< words of texels, see interface::Texture
   std::vector<interface::Light> lights;       ///< punctual after loading; all lights after build_lights
   std::vector<interface::LightAlias> light_aliases;
   LightTree light_tree;          ///< empty with fewer than two lights
   FilmExponents film_exponents;  ///< by the lights; filled by build_lights
+  Solids solids;                 ///< filled by build_for_scene
   std::optional<Environment> environment;
   std::vector<SceneCamera> cameras;  ///< never empty: framed on the bounds if the file has none
   glm::vec3 bounds_min{0}, bounds_max{0};
@@ -197,6 +200,8 @@ struct Features {
   uint32_t material_classes = 0;
   bool has_connectible_surfaces =
       false;  ///< some surface scatters other than as a perfect mirror or clear glass
+  bool has_varying_starts =
+      false;  ///< what holds the points of a camera or light is not the same for all of them
   /// Sharpest microfacet lobes, conservatively: least alpha of those that reflect, and of those that refract
   /// with relative index n least alpha |n - 1| / max(n, 1). Infinite without such lobes.
   float least_reflection_alpha = std::numeric_limits<float>::infinity();

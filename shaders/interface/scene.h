@@ -63,6 +63,33 @@ REGULUS_CONSTANT MATERIAL_CLASS_COUNT = 3u;
 
 // In a triangle's tag, beside the material class: rays ask whether the surface is there.
 REGULUS_CONSTANT TRIANGLE_TAG_ALPHA = 256u;
+REGULUS_CONSTANT TRIANGLE_TAG_EMITS = 512u;        // from its front
+REGULUS_CONSTANT TRIANGLE_TAG_EMITS_BACK = 1024u;  // and from its back
+REGULUS_CONSTANT TRIANGLE_TAG_CLOSED = 2048u;      // bounds a solid that is closed
+REGULUS_CONSTANT TRIANGLE_TAG_SOLID_SHIFT = 12u;   // from here on: one more than the Solid whose boundary it is, 0: of none
+REGULUS_CONSTANT TRIANGLE_TAG_SOLID_MASK = 0x7FFFFu;
+REGULUS_CONSTANT TRIANGLE_TAG_FRONT = 1u << 31;    // of a hit, only with FEATURE_CONTACTS: its front was met
+
+// What a refracting material with a volume bounds. Solids are numbered by rank: where several overlap, the medium is that of
+// the least number (host/scene/solids.hpp says how they are ranked).
+struct Solid {
+  uint material;
+  uint substance;  // solids of the same substance have no interface between them
+};
+REGULUS_LAYOUT(Solid, 8);
+
+// The solids that hold a point, in no order; INVALID_INDEX: none. Of more than eight those of least number.
+struct MediaSet {
+  uvec4 a, b;
+};
+REGULUS_LAYOUT(MediaSet, 32);
+REGULUS_CONSTANT MEDIA_SET_SIZE = 8u;
+// In place of the index of a MediaSet, and in Path.medium: to be found for each point.
+REGULUS_CONSTANT MEDIA_VARY = 0xFFFFFFFEu;
+
+// Where surfaces come closer than this, in roundings (2^-24) of the ray's largest coordinate and of the distance, along their
+// normals, their order is fixed: see lib/contacts.glsl.
+REGULUS_CONSTANT CONTACT_ROUNDINGS = 4u;
 
 // glTF metallic-roughness with the extensions we read. The model it parametrizes is in
 // shaders/lib/bsdf.glsl. Texture indices are INVALID_INDEX where absent.

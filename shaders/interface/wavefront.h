@@ -100,6 +100,7 @@ REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored o
 REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MATERIAL_COAT_NORMAL; implies CLEARCOAT
 REGULUS_CONSTANT FEATURE_BULGES = 1u << 27;             // some triangle's vertex normals spread: it stands for a curved surface
 REGULUS_CONSTANT FEATURE_ROUGH_BASE = 1u << 26;         // some diffuse base lies under a rough dielectric interface
+REGULUS_CONSTANT FEATURE_CONTACTS = 1u << 28;           // solids nest, touch or hold a camera or a light; surfaces coincide
 
 // Techniques (docs/architecture.md).
 REGULUS_CONSTANT TECHNIQUE_HIT = 1u;
@@ -173,6 +174,16 @@ REGULUS_CONSTANT PATH_VERTEX_CLASS_MASK = 3u;
 REGULUS_CONSTANT PATH_VERTEX_STREAM_SHIFT = 18u;
 REGULUS_CONSTANT PATH_VERTEX_STREAM_MASK = 0xFFFu;
 REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
+
+// Where the ray of a path or a segment starts, only with FEATURE_CONTACTS: the solids around it, and the surface point that it
+// leaves.
+struct PathMedia {
+  MediaSet around;
+  vec2 barycentrics;
+  uint triangle;  // its number; INVALID_INDEX: it leaves no surface
+  uint solid;     // whose boundary that is, or INVALID_INDEX
+};
+REGULUS_LAYOUT(PathMedia, 48);
 
 // The vertices of one light path: the last one stored, from which the others follow by `link`.
 struct LightPathHead {
@@ -339,6 +350,15 @@ struct Frame {
   DeviceAddress strategy_layers;       // per edges of a path, s, and whether it is a merge: the number of the strategy
   DeviceAddress candidate_strategies;  // StrategyCandidate per visibility candidate
   DeviceAddress splat_strategies;      // and per splat candidate
+  // Only with FEATURE_CONTACTS.
+  DeviceAddress solids;               // Solid
+  DeviceAddress media_sets;           // MediaSet: the first is that outside of all solids
+  DeviceAddress light_media;          // per light: index of its MediaSet, or MEDIA_VARY
+  DeviceAddress path_media;           // PathMedia per path slot
+  DeviceAddress camera_vertex_media;  // MediaSet per path slot: on the side that the path arrived from
+  DeviceAddress light_vertex_media;   // and per light vertex
+  DeviceAddress candidate_media;      // PathMedia per visibility candidate
+  DeviceAddress splat_media;          // and per splat candidate
   uint width, height;
   uvec4 crop;           // pixels that are rendered and that the films hold: x, y of the first, width, height
   uint light_count;
@@ -364,8 +384,9 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
   uint vertex_uv_sets;
+  uint camera_media;           // with FEATURE_CONTACTS: index of the camera's MediaSet, or MEDIA_VARY
 };
-REGULUS_LAYOUT(Frame, 660);
+REGULUS_LAYOUT(Frame, 728);
 
 // Push constants of every stage.
 struct StageArguments {
@@ -413,7 +434,8 @@ REGULUS_LAYOUT(ScanArguments, 20);
 // items that went through each queue, of camera passes and of light passes.
 REGULUS_CONSTANT COUNTER_NON_FINITE = 0u;         // samples dropped because NaN, infinite or negative
 REGULUS_CONSTANT COUNTER_TRAVERSAL_OVERRUN = 1u;  // rays whose traversal hit its step bound
-REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 2u;        // + pass * QUEUES_PER_BOUNCE + QUEUE_*
+REGULUS_CONSTANT COUNTER_MEDIA_OVERFLOW = 2u;     // solids that paths have forgotten: more than MEDIA_SET_SIZE at once
+REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 3u;        // + pass * QUEUES_PER_BOUNCE + QUEUE_*
 REGULUS_CONSTANT COUNTER_COUNT = COUNTER_QUEUE_ITEMS + 2u * QUEUES_PER_BOUNCE;
 
 // StageArguments.round of count_work: which pass it counts.

@@ -59,7 +59,7 @@ Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex 
 
 // Technique `nee`: queues a shadow segment with what it would contribute.
 void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-                      Regularization regularization, TechniqueCounts counts, uint slot, vec4 u) {
+                      Regularization regularization, TechniqueCounts counts, Hit hit, uint slot, vec4 u) {
   if ((spec_techniques & TECHNIQUE_NEE) == 0u || frame.light_count == 0u) return;
   LightSample light = sample_light(frame, light_receiver(point), u);
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
@@ -70,7 +70,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
   Weighted measured = light_connection(frame, point, path, vertex, history, regularization, counts, light, wi);
   vec3 factor = path.throughput * light.radiance / light.pdf *
-                transmittance(frame, medium_towards(point, path.medium, wi.z), light.distance);
+                transmittance(frame, medium_towards(frame, point, path.medium, wi.z), light.distance);
   vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
@@ -83,6 +83,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);
+  if (has_contacts())
+    STORE(PathMediaBuffer, frame.candidate_media, index, ray_media(point, light.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)));
   if (has_strategies()) {
     uint layer = strategy_layer(frame, 1u, path.bounce + 2u, false);
     STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * measured.unweighted, layer));
@@ -90,9 +92,9 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
 }
 
 // Continues the walk: samples the bsdf, plays Russian roulette, queues the next ray.
-// triangle: of the surface; footprint: on arrival there.
+// hit: on the surface; footprint: on arrival there.
 void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-             Regularization regularization, TechniqueCounts counts, uint triangle, vec3 footprint, uint slot, vec4 u) {
+             Regularization regularization, TechniqueCounts counts, Hit hit, vec3 footprint, uint slot, vec4 u) {
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction;
@@ -123,12 +125,14 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
     STORE(PathHistoryBuffer, frame.path_histories, slot, history);
   }
   if (has_footprints()) {
-    float curvature = curvature_at(frame, triangle);
+    float curvature = curvature_at(frame, hit.triangle);
     footprint = scattered(footprint, point.bsdf, next, point.is_front ? curvature : -curvature);
     STORE(Vec3Buffer, frame.path_footprints, slot, footprint);
   }
   if (keeps_receivers()) STORE(LightReceiverBuffer, frame.light_receivers, slot, light_receiver(point));
-  path.medium = medium_towards(point, path.medium, next.wi.z);
+  path.medium = medium_towards(frame, point, path.medium, next.wi.z);
+  if (has_contacts())
+    STORE(PathMediaBuffer, frame.path_media, slot, ray_media(point, direction, next.wi.z, hit.triangle, vec2(hit.u, hit.v)));
   path.bounce += 1u;
   if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;
   STORE(PathBuffer, frame.paths, slot, path);
@@ -149,6 +153,7 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory
   vertex.mis_b = path.mis_b;
   vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
   STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
+  if (has_contacts()) STORE(MediaSetBuffer, frame.camera_vertex_media, slot, point.around);
   if (has_histories()) STORE(PathHistoryBuffer, frame.camera_vertex_histories, slot, history);
 }
 

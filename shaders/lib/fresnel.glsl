@@ -47,13 +47,19 @@ float schlick_weight(float c) {
 // How far, from 0 at normal incidence to 1 at grazing, the cosine-weighted mean of the exact reflectance lies:
 // (F_avg - F_0) / (1 - F_0) for light that comes from outside. Error below 1e-5 for ior in [1, 10], below
 // 2e-3 beyond. x = (ior - 1) / (ior + 1).
-float fresnel_mean_position(float x) {
+float fresnel_mean_position_from_thin(float x) {
   float v = sqrt(x);
   float numerator = 0.684179389 + v * (-0.365813115 + v * (0.265738673 + v * (-2.3757069 + v * 1.58485569)));
   float denominator = 1.0 + v * (0.429550602 + v * (4.04550278 - v * 4.76732933));
   float d = safe_sqrt(1.0 - x);
   float high = -0.333333333 + d * (0.10833273 + d * (3.42691573 + d * (-8.70691619 + d * 7.60746608)));
   return x < 0.825 ? x * numerator / denominator : high;
+}
+
+// The same for any x: with ior < 1, where the denser medium is outside, n^2 (1 - F_avg(inside)) = 1 - F_avg(outside).
+float fresnel_mean_position(float x) {
+  float position = fresnel_mean_position_from_thin(abs(x));
+  return x < 0.0 ? 1.0 - (1.0 - position) * square((1.0 + x) / (1.0 - x)) : position;
 }
 
 #endif

@@ -63,6 +63,11 @@ SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   float shape = min(extent_squared / (2.0 * point.area), MAX_SHAPE_FACTOR);
   point.clearance = POSITION_ERROR * dot(abs(point.normal), abs(a) + abs(b) + abs(c)) +
                     PLANE_ERROR * sqrt(extent_squared) * shape;
+  if ((spec_features & FEATURE_CONTACTS) != 0u) {
+    // Beyond what else lies in the same plane (lib/contacts.glsl).
+    vec3 size = abs(point.position);
+    point.clearance += 2.0 * float(CONTACT_ROUNDINGS) * FLOAT_EPSILON * max(size.x, max(size.y, size.z));
+  }
   return point;
 }
 

@@ -29,6 +29,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT |
                  (path.pixel & PATH_VERTEX_STREAM_MASK) << PATH_VERTEX_STREAM_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
+  if (has_contacts()) STORE(MediaSetBuffer, frame.light_vertex_media, index, point.around);
   if (is_regularized() && has_diffusion()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
   if (has_histories()) STORE(PathHistoryBuffer, frame.light_vertex_histories, index, history);
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
@@ -51,10 +52,11 @@ float first_range_share(Frame frame, Path path, float distance) {
   return range_share(LOAD(LightBuffer, frame.lights, select_by_power(frame, u.xy)), square(distance));
 }
 
-// edges: of the light path; unweighted: the contribution without its weight.
-void queue_splat(Frame frame, VisibilityCandidate segment, vec2 film, uint edges, vec3 unweighted) {
+// media: where the segment starts; edges: of the light path; unweighted: the contribution without its weight.
+void queue_splat(Frame frame, VisibilityCandidate segment, PathMedia media, vec2 film, uint edges, vec3 unweighted) {
   uint index = queue_reserve(queue_head(QUEUE_SPLATS));
   STORE(SplatBuffer, frame.splats, index, SplatCandidate(segment, film));
+  if (has_contacts()) STORE(PathMediaBuffer, frame.splat_media, index, media);
   if (has_strategies())
     STORE(StrategyCandidateBuffer, frame.splat_strategies, index,
           StrategyCandidate(unweighted, strategy_layer(frame, edges + 1u, 1u, false)));
@@ -71,7 +73,7 @@ bool is_off_film(Frame frame, vec2 film) {
 
 // Technique `splat`: queues the segment to the lens with what it would contribute.
 void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-                     TechniqueCounts counts) {
+                     TechniqueCounts counts, Hit hit) {
   if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
@@ -99,20 +101,21 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   }
   float correction = shading_correction(point, -path.direction, point.wo.z);
   vec3 factor = path.throughput * (correction * area_pdf / float(frame.light_path_count)) *
-                transmittance(frame, medium_towards(point, path.medium, wi.z), lens.distance);
+                transmittance(frame, medium_towards(frame, point, path.medium, wi.z), lens.distance);
   vec3 contribution = factor * value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =
       visibility_segment(point, lens.wi, point.surface.position + lens.open_distance * lens.wi);
   segment.path = 0u;
   segment.contribution = contribution;
-  queue_splat(frame, segment, lens.film, path.bounce + 1u, factor * unweighted);
+  queue_splat(frame, segment, ray_media(point, lens.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)), lens.film, path.bounce + 1u,
+              factor * unweighted);
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.
 // `sharp`: the vertex for a camera that has not diffused on its way here.
 void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
-                   TechniqueCounts counts, uint slot) {
+                   TechniqueCounts counts, Hit hit, uint slot) {
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
@@ -127,7 +130,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   if (!(u.w < survival)) return;
   path.throughput *= factor / survival;
 
-  path.origin = offset_origin(point.surface.position, point.surface.clearance, point.geometric_normal, direction);
+  path.origin = ray_origin(point, direction);
   path.direction = normalize(direction);
   float pdf_ratio = walk_pdf_ratio(point.bsdf, point.wo, next);
   Regularization regularization = regularization_of(frame, path.sample_index, true);
@@ -152,7 +155,9 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
     }
   }
   mis_scatter(counts, vertex, walk.inverse, pdf_ratio, cos_out, path);
-  path.medium = medium_towards(point, path.medium, next.wi.z);
+  path.medium = medium_towards(frame, point, path.medium, next.wi.z);
+  if (has_contacts())
+    STORE(PathMediaBuffer, frame.path_media, slot, ray_media(point, direction, next.wi.z, hit.triangle, vec2(hit.u, hit.v)));
   path.bounce += 1u;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);

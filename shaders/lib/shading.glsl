@@ -5,6 +5,7 @@
 
 #include "lib/bsdf.glsl"
 #include "lib/light.glsl"
+#include "lib/media.glsl"
 #include "lib/normal_map.glsl"
 #include "lib/stage.glsl"
 
@@ -20,6 +21,10 @@ struct ShadingPoint {
   bool is_turned;                   // wo was half-turned; only with smooth normals
   float bulge;                      // as of the surface, 1: on the side of wo; only with FEATURE_BULGES
   bool is_curved;                   // the camera's side bulges, for camera walks; only with FEATURE_BULGES
+  // Only with FEATURE_CONTACTS, as are:
+  MediaSet around;  // the solids on the side of wo
+  uint solid;       // whose boundary the surface is, or INVALID_INDEX
+  bool is_closed;   // it is closed
 };
 
 vec3 to_local(ShadingPoint point, vec3 w) {
@@ -113,6 +118,8 @@ vec3 ray_origin(ShadingPoint point, vec3 direction) {
   if (is_beyond_horizon(point, direction)) {
     position += point.surface.rise;
     direction = point.geometric_normal;
+  } else if (has_contacts() && point.is_closed) {
+    return position;
   }
   return offset_origin(position, point.surface.clearance, point.geometric_normal, direction);
 }
@@ -145,8 +152,21 @@ vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface,
                        material.clearcoat_normal_scale);
 }
 
-// wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE.
-ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport) {
+// The index of refraction behind the surface is relative to that in front of it. Where solids overlap neither need be the
+// surface's own or 1.
+void set_media(Frame frame, MediaSet around, uint triangle, inout ShadingPoint point) {
+  uint tag = triangle_tag(frame, triangle);
+  point.around = around;
+  point.solid = solid_of_tag(tag);
+  point.is_closed = (tag & TRIANGLE_TAG_CLOSED) != 0u;
+  if (spec_material_class != MATERIAL_CLASS_TRANSMISSIVE || point.solid == INVALID_INDEX) return;
+  uint in_front = medium_of(frame, media_without(around, point.solid));
+  if (in_front != INVALID_INDEX) point.material.ior /= LOAD(MaterialBuffer, frame.materials, in_front).ior;
+}
+
+// wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE; around: the
+// solids on its side.
+ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport, MediaSet around) {
   ShadingPoint point;
   point.surface = surface_at(frame, triangle, barycentrics);
   point.is_front = dot(wo, point.surface.geometric_normal) > 0.0;
@@ -168,6 +188,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.bulge = side * point.surface.bulge;
   point.is_curved = transport == TRANSPORT_RADIANCE && point.bulge > 0.0;
   apply_textures(frame, point.surface.uv, point.surface.color, point.material);
+  if (has_contacts()) set_media(frame, around, triangle, point);
   point.bsdf = make_bsdf(point.material, point.is_front);
   bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)
@@ -182,11 +203,25 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
 // few roundings of the distance.
 const float SEGMENT_SCALE = 1.0 - 16.0 * FLOAT_EPSILON;
 
+// The solids on the side of the surface that w leaves to.
+MediaSet media_towards(ShadingPoint point, float w_local_z) {
+  if (spec_material_class != MATERIAL_CLASS_TRANSMISSIVE || w_local_z > 0.0 || point.solid == INVALID_INDEX) return point.around;
+  return media_behind(point.around, point.solid, point.is_front);
+}
+
 // Medium on the side of the surface that w leaves to, for a path that arrived through `medium`.
-uint medium_towards(ShadingPoint point, uint medium, float w_local_z) {
+uint medium_towards(Frame frame, ShadingPoint point, uint medium, float w_local_z) {
   if ((spec_features & FEATURE_ABSORPTION) == 0u || spec_material_class != MATERIAL_CLASS_TRANSMISSIVE) return medium;
   if (w_local_z > 0.0 || (point.material.flags & MATERIAL_VOLUME) == 0u) return medium;
+  if (has_contacts() && point.solid != INVALID_INDEX) return medium_of(frame, media_towards(point, w_local_z));
   return point.is_front ? point.surface.material : INVALID_INDEX;
+}
+
+// What a ray that leaves the surface towards w knows of its place. triangle, barycentrics: of the surface. A ray that starts
+// beyond the facet's horizon stays on the side of wo and leaves no surface: the facet itself may be in its way.
+PathMedia ray_media(ShadingPoint point, vec3 w, float w_local_z, uint triangle, vec2 barycentrics) {
+  if (is_beyond_horizon(point, w)) return start_media(point.around);
+  return PathMedia(media_towards(point, w_local_z), barycentrics, triangle, point.solid);
 }
 
 // Transmittance of `distance` metres of a medium (Beer and Lambert).

@@ -27,6 +27,16 @@
                                            vec3(0.0), 0u, 0u, 0u, 0u, 0u)
 #endif
 
+// How rays order the surfaces that they meet, if not by distance alone: lib/contacts.glsl.
+#define TRAVERSAL_NEVER 3.4e38
+#ifndef TRAVERSAL_HAS_CONTACTS
+#define TRAVERSAL_HAS_CONTACTS false
+#define TRAVERSAL_CONTACT_KEY(tag, number, t, cosine) vec2(t, 0.0)
+#define TRAVERSAL_CONTACT_ORDER(tag, number, cosine) 0u
+#define TRAVERSAL_CONTACT_REACH(t) 0.0
+#define TRAVERSAL_CONTACT_GOES_ON(hit, tag) false
+#endif
+
 // Rays that were given up because they reached TRAVERSAL_MAX_STEPS; the hit found so far is returned.
 uint traversal_overrun = 0u;
 
@@ -243,6 +253,10 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
     far_offset += ray.slack * TRAVERSAL_FAR_SCALE;
     occupied = exponents >> 24;
   }
+  if (TRAVERSAL_HAS_CONTACTS) {
+    far_offset += TRAVERSAL_CONTACT_REACH(0.0);  // what lies just behind the origin
+    occupied = exponents >> 24;
+  }
 
   uvec2 lower_x = NODE_PAIR(2), upper_x = NODE_PAIR(3);
   uvec2 lower_y = NODE_PAIR(4), upper_y = NODE_PAIR(5);
@@ -264,7 +278,8 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
     float t_far = min(min(traversal_plane(far_x, slot) * far_scale.x + far_offset.x,                        \
                           traversal_plane(far_y, slot) * far_scale.y + far_offset.y),                       \
                       min(traversal_plane(far_z, slot) * far_scale.z + far_offset.z, t_max));               \
-    bool is_met = t_near <= t_far && (!TRAVERSAL_HAS_INSTANCES || (occupied & (1u << slot)) != 0u);         \
+    bool is_met = t_near <= t_far &&                                                                        \
+                  (!(TRAVERSAL_HAS_INSTANCES || TRAVERSAL_HAS_CONTACTS) || (occupied & (1u << slot)) != 0u);\
     keys[slot] = is_met ? traversal_key(ray, t_near, t_far, slot) : TRAVERSAL_DONE;                         \
     mask |= is_met ? 1u << (slot ^ ray.order) : 0u;                                                         \
   }
@@ -299,11 +314,12 @@ float traversal_edge(vec2 p, vec2 q) {
   return edge;
 }
 
-// Tests a triangle for a hit with t in (0, t_max]. Edges are inclusive and both faces count. Barycentrics are
+// Tests a triangle for a hit with t in (t_min, t_max]. Edges are inclusive and both faces count. Barycentrics are
 // of p1 and p2. The sign of each edge function is that of the exact function of the sheared vertices or zero
 // (products round monotonically), and those are the same for all triangles that share a vertex: no gap.
-bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, float t_max, out vec3 tuv,
-                         out uint tag) {
+// normal: not of unit length, of the front; only with TRAVERSAL_HAS_CONTACTS.
+bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, float t_min, float t_max, out vec3 tuv,
+                         out uint tag, out vec3 normal) {
 #define TRIANGLE_PAIR(i) TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[i])
   uvec2 w0 = TRIANGLE_PAIR(0), w1 = TRIANGLE_PAIR(1), w2 = TRIANGLE_PAIR(2);
   uvec2 w3 = TRIANGLE_PAIR(3), w4 = TRIANGLE_PAIR(4);
@@ -318,6 +334,7 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
     v1 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, second);
     v2 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, third);
   }
+  normal = TRAVERSAL_HAS_CONTACTS ? cross(v1 - v0, v2 - v0) : vec3(0.0);
   vec3 a = traversal_exchange(ray, v0 - ray.origin);
   vec3 b = traversal_exchange(ray, v1 - ray.origin);
   vec3 c = traversal_exchange(ray, v2 - ray.origin);
@@ -334,7 +351,7 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   tuv = vec3((edge_a * a.z + edge_b * b.z + edge_c * c.z) * ray.shear.z, edge_b, edge_c) * inverse;
 
   bool is_inside = min(min(edge_a, edge_b), edge_c) >= 0.0 || max(max(edge_a, edge_b), edge_c) <= 0.0;
-  return is_inside && determinant != 0.0 && tuv.x > 0.0 && tuv.x <= t_max;
+  return is_inside && determinant != 0.0 && tuv.x > t_min && tuv.x <= t_max;
 }
 
 #define TRAVERSAL_STACK(level) traversal_stack[(level) * WORKGROUP_SIZE + gl_LocalInvocationIndex]
@@ -410,6 +427,8 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
   TraversalGroup group = TraversalGroup(0u, 0u);
   uint stack_size = 0u;
   uint steps = 0u;
+  float best = TRAVERSAL_NEVER;  // with contacts: key and order of the hit found so far
+  uint best_order = 0xFFFFFFFFu;
   TraversalVisit root = traversal_visit(nodes, 0u, ray, limit);
   uint next = traversal_descend(nodes, 0u, root, ray, limit, any_hit, group, stack_size);
   while (next != TRAVERSAL_DONE) {
@@ -427,23 +446,46 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
       uint first = next & BVH_LEAF_FIRST_MASK;
       uint end = first + ((next & ~BVH_LEAF_BIT) >> BVH_LEAF_COUNT_SHIFT) + 1u;
       for (uint i = first; i < end; ++i) {
-        vec3 tuv;
-        uint triangle_tag;
-        if (traversal_intersect(triangles, i, ray, hit.t, tuv, triangle_tag) &&
-            TRAVERSAL_IS_COVERED(triangle_tag, i + ray.number_offset, tuv.yz, origin, direction)) {
+        vec3 tuv, normal;
+        uint hit_tag;
+        float t_min = TRAVERSAL_HAS_CONTACTS ? -TRAVERSAL_FLOAT_MAX : 0.0;
+        float t_limit = TRAVERSAL_HAS_CONTACTS ? limit : hit.t;
+        bool is_met = traversal_intersect(triangles, i, ray, t_min, t_limit, tuv, hit_tag, normal);
+        vec2 key = vec2(tuv.x, 0.0);
+        uint order = 0u;
+        if (TRAVERSAL_HAS_CONTACTS) {
+          float cosine = dot(normal, direction) * inversesqrt(max(dot(normal, normal), 1e-37));
+          key = TRAVERSAL_CONTACT_KEY(hit_tag, i + ray.number_offset, tuv.x, cosine);
+          if (cosine < 0.0) hit_tag |= TRIANGLE_TAG_FRONT;
+          order = TRAVERSAL_CONTACT_ORDER(hit_tag, i + ray.number_offset, cosine);
+          bool is_first = key.x < best - key.y || (key.x <= best + key.y && order < best_order);
+          is_met = is_met && key.x < TRAVERSAL_NEVER && is_first;
+        }
+        if (is_met && TRAVERSAL_IS_COVERED(hit_tag, i + ray.number_offset, tuv.yz, origin, direction)) {
           hit = Hit(tuv.x, tuv.y, tuv.z, i + ray.number_offset);
-          tag = triangle_tag;
+          tag = hit_tag;
+          best = key.x;
+          best_order = order;
           if (any_hit) i = end;
         }
         ++steps;
       }
       limit = hit.t * TRAVERSAL_FAR_SCALE;
+      if (TRAVERSAL_HAS_CONTACTS) limit = (max(hit.t, 0.0) + TRAVERSAL_CONTACT_REACH(hit.t)) * TRAVERSAL_FAR_SCALE;
       bool is_done = any_hit && hit.triangle != INVALID_INDEX;
       next = is_done ? TRAVERSAL_DONE : traversal_next(nodes, ray, limit, any_hit, group, stack_size);
     }
     if (steps >= TRAVERSAL_MAX_STEPS && next != TRAVERSAL_DONE) {
       traversal_overrun = 1u;
       next = TRAVERSAL_DONE;
+    } else if (TRAVERSAL_HAS_CONTACTS && next == TRAVERSAL_DONE && TRAVERSAL_CONTACT_GOES_ON(hit, tag)) {
+      // From the root once more, in this loop: SwiftShader compiles a loop around it for minutes.
+      hit = Hit(t_max, 0.0, 0.0, INVALID_INDEX);
+      tag = 0u;
+      best = TRAVERSAL_NEVER;
+      best_order = 0xFFFFFFFFu;
+      limit = t_max * TRAVERSAL_FAR_SCALE;
+      next = 0u;
     }
   }
   return hit;

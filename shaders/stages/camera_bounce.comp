@@ -7,6 +7,7 @@
 #include "lib/camera_walk.glsl"
 #include "lib/film.glsl"
 #include "lib/pairs.glsl"
+#include "lib/thickness.glsl"
 
 void main() {
   uint i = item_index();
@@ -16,8 +17,14 @@ void main() {
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
 
-  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE);
-  path.throughput *= transmittance(frame, path.medium, hit.t);
+  PathMedia media = start_media(NO_MEDIA);
+  if (has_contacts()) media = LOAD(PathMediaBuffer, frame.path_media, slot);
+  ShadingPoint point =
+      shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE, media.around);
+  float way = hit.t;
+  if ((spec_features & FEATURE_ABSORPTION) != 0u)
+    way = length_in_medium(frame, media, path.direction, hit, point.surface.position);
+  path.throughput *= transmittance(frame, path.medium, way);
   mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal),
              path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);
   PathHistory history;
@@ -52,7 +59,7 @@ void main() {
     footprint = travelled(LOAD(Vec3Buffer, frame.path_footprints, slot), hit.t);
     regularization = diffused_regularization(frame, path.sample_index, diffusion(footprint));
   }
-  connect_to_light(frame, point, path, vertex, history, regularization, counts, slot, light_u);
+  connect_to_light(frame, point, path, vertex, history, regularization, counts, hit, slot, light_u);
   if ((spec_techniques & TECHNIQUE_CONNECT) != 0u && is_connectible(point)) append_pairs(frame, path, slot);
-  scatter(frame, point, path, vertex, history, regularization, counts, hit.triangle, footprint, slot, bsdf_u);
+  scatter(frame, point, path, vertex, history, regularization, counts, hit, footprint, slot, bsdf_u);
 }

@@ -6,6 +6,7 @@
 #include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/history.glsl"
+#include "lib/media.glsl"
 #include "lib/rng.glsl"
 #include "lib/stage.glsl"
 
@@ -32,6 +33,7 @@ void main() {
   path.eta_scale = 1.0;
   path.bounce = 0u;
   path.medium = INVALID_INDEX;
+  if (has_contacts()) start_in_media(frame, frame.camera_media, INVALID_INDEX, vec2(0.0), slot, path);
   STORE(PathBuffer, frame.paths, slot, path);
   if (has_histories())
     STORE(PathHistoryBuffer, frame.path_histories, slot,

@@ -80,8 +80,15 @@ void main() {
   if (!(squared > 0.0)) return;
   float distance = sqrt(squared);
   vec3 direction = to_light / distance;
-  ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
-  ShadingPoint light_point = shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE);
+  MediaSet camera_media = NO_MEDIA, light_media = NO_MEDIA;
+  if (has_contacts()) {
+    camera_media = LOAD(MediaSetBuffer, frame.camera_vertex_media, pair.slot);
+    light_media = LOAD(MediaSetBuffer, frame.light_vertex_media, pair.vertex);
+  }
+  ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction,
+                                            TRANSPORT_RADIANCE, camera_media);
+  ShadingPoint light_point =
+      shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE, light_media);
   vec3 camera_wi, light_wi = to_local_seen(light_point, -direction);
   if (!to_local_lit(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
   if (is_dark_towards(light_point, -direction)) return;
@@ -108,7 +115,7 @@ void main() {
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
   vec3 factor = camera.throughput * light.throughput *
                 (abs(camera_wi.z) * light_cos * correction / connection_count(frame)) *
-                transmittance(frame, medium_towards(camera_point, camera.link, camera_wi.z), distance);
+                transmittance(frame, medium_towards(frame, camera_point, camera.link, camera_wi.z), distance);
   vec3 contribution = factor * value.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
@@ -118,6 +125,9 @@ void main() {
   candidate.contribution = contribution;
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, frame.candidates, index, candidate);
+  if (has_contacts())
+    STORE(PathMediaBuffer, frame.candidate_media, index,
+          ray_media(camera_point, direction, camera_wi.z, camera.triangle, camera.barycentrics));
   if (has_strategies()) {
     uint layer = strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, (camera.edges & PATH_VERTEX_EDGES) + 1u, false);
     STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * value.unweighted, layer));

@@ -4,6 +4,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/light_walk.glsl"
+#include "lib/thickness.glsl"
 
 void main() {
   uint i = item_index();
@@ -12,8 +13,14 @@ void main() {
   uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
-  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE);
-  path.throughput *= transmittance(frame, path.medium, hit.t);
+  PathMedia media = start_media(NO_MEDIA);
+  if (has_contacts()) media = LOAD(PathMediaBuffer, frame.path_media, slot);
+  ShadingPoint point =
+      shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE, media.around);
+  float way = hit.t;
+  if ((spec_features & FEATURE_ABSORPTION) != 0u)
+    way = length_in_medium(frame, media, path.direction, hit, point.surface.position);
+  path.throughput *= transmittance(frame, path.medium, way);
   if (path.bounce == 0u) path.throughput *= first_range_share(frame, path, hit.t);
   if ((spec_features & FEATURE_LIGHT_RANGES) != 0u && path.throughput == vec3(0.0)) return;
   bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
@@ -57,8 +64,8 @@ void main() {
   MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
   // Light paths have an edge at least, and the one to the lens comes on top.
   if (is_connectible(point) && path.bounce + 2u <= frame.max_depth) {
-    connect_to_lens(frame, point, path, sharp_vertex, history, counts);
+    connect_to_lens(frame, point, path, sharp_vertex, history, counts, hit);
   }
   // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.
-  if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, sharp_vertex, history, counts, slot);
+  if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, sharp_vertex, history, counts, hit, slot);
 }

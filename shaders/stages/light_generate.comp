@@ -20,7 +20,16 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
   segment.path = 0u;
   segment.contribution =
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
-  queue_splat(frame, segment, lens.film, 0u, segment.contribution);
+  PathMedia media = start_media(NO_MEDIA);
+  if (has_contacts()) {
+    // From the lens, whose medium is known.
+    segment.origin = emission.point.position + lens.open_distance * lens.wi;
+    segment.direction = -lens.wi;
+    segment.t_max = lens.open_distance - emission.point.clearance / abs(cos_light);
+    if (frame.camera_media != MEDIA_VARY) media.around = LOAD(MediaSetBuffer, frame.media_sets, frame.camera_media);
+    segment.contribution *= transmittance(frame, medium_of(frame, media.around), lens.distance);
+  }
+  queue_splat(frame, segment, media, lens.film, 0u, segment.contribution);
 }
 
 void main() {
@@ -51,6 +60,11 @@ void main() {
   path.eta_scale = emission.is_parallel ? 1.0 : 0.0;
   path.bounce = 0u;
   path.medium = INVALID_INDEX;
+  if (has_contacts()) {
+    uint light = select_by_power(frame, u_light.xy);
+    start_in_media(frame, LOAD(WordBuffer, frame.light_media, light), LOAD(LightBuffer, frame.lights, light).triangle,
+                   sample_triangle(u_light.zw), slot, path);
+  }
   if (!(max(path.throughput.r, max(path.throughput.g, path.throughput.b)) > 0.0)) return;
   STORE(PathBuffer, frame.paths, slot, path);
   if (has_histories())

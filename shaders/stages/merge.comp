@@ -98,8 +98,10 @@ void main() {
 
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Gatherer gatherer;
+  MediaSet media = NO_MEDIA;
+  if (has_contacts()) media = LOAD(MediaSetBuffer, frame.camera_vertex_media, slot);
   gatherer.point =
-      shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE);
+      shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE, media);
   gatherer.vertex = camera;
   // Both subpaths met the surface with the probability of its coverage, of which the path has one factor.
   Triangle triangle = placed_triangle(frame, camera.triangle).triangle;

@@ -27,7 +27,7 @@ bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
   if (has_clipping()) origin += range.x * direction;
   hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, range.y - range.x, tag);
   if (hit.triangle == INVALID_INDEX) return false;
-  point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE);
+  point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE, NO_MEDIA);
   return true;
 }
 

@@ -3,10 +3,9 @@
 // reads  ray queue, paths          writes  hits, bounce queues, escaped paths
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/alpha.glsl"
 #include "lib/camera.glsl"
+#include "lib/contacts.glsl"
 #include "lib/stage.glsl"
-#include "lib/traversal.glsl"
 
 bool meets_environment() {
   // One by one: glslang 12.0 writes invalid SPIR-V for the conjunction of three such constants.
@@ -24,7 +23,15 @@ void main() {
   vec2 range = vec2(0.0, 3.4e38);
   if (spec_walk == WALK_CAMERA && stage.bounce == 0u) range = clipped_range(FRAME.camera, path.direction);
   if (has_clipping()) path.origin += range.x * path.direction;
-  Hit hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, path.origin, path.direction, range.y - range.x, tag);
+  Hit hit;
+  if (has_contacts()) {
+    PathMedia media = LOAD(PathMediaBuffer, FRAME.path_media, slot);
+    hit = trace_through(FRAME, path.origin, path.direction, range.y - range.x, media, tag);
+    hit.t = max(hit.t, 0.0);
+    STORE(PathMediaBuffer, FRAME.path_media, slot, media);
+  } else {
+    hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, path.origin, path.direction, range.y - range.x, tag);
+  }
   if (has_clipping()) hit.t += range.x;
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (hit.triangle == INVALID_INDEX) {

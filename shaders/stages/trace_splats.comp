@@ -2,20 +2,23 @@
 // reads  splat candidates          writes  splat film
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/alpha.glsl"
 #include "lib/camera.glsl"
+#include "lib/contacts.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"
 #include "lib/strategies.glsl"
-#include "lib/traversal.glsl"
 
 void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_SPLATS)) return;
   Frame frame = FRAME;
   SplatCandidate splat = LOAD(SplatBuffer, frame.splats, i);
-  bool occluded =
-      trace_any(frame.bvh_nodes, frame.bvh_triangles, splat.segment.origin, splat.segment.direction, splat.segment.t_max);
+  bool occluded;
+  if (has_contacts())
+    occluded = is_segment_occluded(frame, splat.segment, LOAD(PathMediaBuffer, frame.splat_media, i));
+  else
+    occluded = trace_any(frame.bvh_nodes, frame.bvh_triangles, splat.segment.origin, splat.segment.direction,
+                         splat.segment.t_max);
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (occluded) return;
   if (!is_valid_sample(splat.segment.contribution)) {

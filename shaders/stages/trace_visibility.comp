@@ -3,17 +3,20 @@
 // reads  candidates          writes  radiance or film
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/alpha.glsl"
+#include "lib/contacts.glsl"
 #include "lib/film.glsl"
 #include "lib/stage.glsl"
 #include "lib/strategies.glsl"
-#include "lib/traversal.glsl"
 
 void main() {
   uint i = stage.first_item + item_index();
   if (i >= queue_count(QUEUE_VISIBILITY)) return;
   VisibilityCandidate candidate = LOAD(CandidateBuffer, FRAME.candidates, i);
-  bool occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);
+  bool occluded;
+  if (has_contacts())
+    occluded = is_segment_occluded(FRAME, candidate, LOAD(PathMediaBuffer, FRAME.candidate_media, i));
+  else
+    occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);
   if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
   if (occluded) return;
   candidate.contribution = clamp_contribution(candidate.contribution, FRAME.largest_contribution);

@@ -104,6 +104,8 @@ TEST(SceneLights, SelectionIsInProportionToPower) {
   Gltf file;
   file.triangle_of(emitter(2));                             // pi * 1/2 * 2
   file.triangle_of(emitter(2, true));                       // twice that
+  file.root["meshes"].back()["primitives"][0]["indices"] =  // facing the other way: not the same light
+      file.accessor(std::vector<uint8_t>{0, 2, 1}, "SCALAR", 5121);
   file.light({{"type", "point"}, {"intensity", 0.5}});      // 4 pi * 0.5
   file.light({{"type", "directional"}, {"intensity", 4}});  // pi r^2 * 4, r = sqrt(2) / 2
   const Scene scene = load_with_lights(file);
