@@ -57,6 +57,15 @@ TEST(Film, DividesByThePixelsOwnSamples) {
   for (size_t pixel = 1; pixel < 4; ++pixel) EXPECT_EQ(image.rgb[3 * pixel + 1], static_cast<float>(sum / 2));
 }
 
+TEST(Film, DividesSplatsByTheIterations) {
+  Film film = empty_film(2, 1, 2 * 3);
+  film.splat_words.resize(film.words.size());
+  film.splat_words[FRACTION / 32] = 1u << FRACTION % 32;
+  film.light_paths_per_iteration = 4;
+  film.light_paths = 4 * 2;
+  EXPECT_EQ(resolve(film).rgb, (std::vector<float>{0.5F, 0, 0, 0, 0, 0}));
+}
+
 TEST(Film, PixelsWithoutASampleAreBlack) {
   Film film = empty_film(2, 1, 1);
   set_bit(film, 0, 0, FRACTION);
