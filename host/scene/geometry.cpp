@@ -23,6 +23,9 @@ constexpr uint64_t BYTES_OF_COPY = sizeof(interface::Instance) + 40;
 // A mesh that would gain less is not worth the detour.
 constexpr uint64_t LEAST_GAIN = uint64_t{64} << 10;
 
+// These take about 100 MB with their tree.
+constexpr uint64_t MOST_TRIANGLES_OF_COPIED_SOLIDS = uint64_t{1} << 19;
+
 size_t mesh_index(const Document& document, const PlacedNode& placed) {
   return static_cast<size_t>(document.model.nodes[placed.node].mesh);
 }
@@ -87,7 +90,13 @@ void require_memory(Document& document, const std::vector<PrimitiveToStore>& ins
 struct SharedForm {
   const MeshPose* pose = nullptr;  ///< that of its first place without a skin
   glm::dvec3 origin{0};            ///< taken off in its own space
+  bool shares_solids = false;      ///< what refracts is shared too, see share_many_solids()
 };
+
+/// Whether each copy stores a primitive of its own: emitters are lights, what refracts bounds solids.
+bool is_stored_apart(const Document& document, const tinygltf::Primitive& primitive, const SharedForm& form) {
+  return emits(document, primitive) || (!form.shares_solids && refracts(document, primitive));
+}
 
 /// By mesh of the file. `boxes` are around the meshes in their own spaces.
 std::vector<SharedForm> forms_to_share(const Document& document, const std::vector<PlacedNode>& places,
@@ -109,18 +118,44 @@ std::vector<PrimitiveToStore> sharable_primitives(const Document& document, size
   std::vector<PrimitiveToStore> result;
   const auto& primitives = document.model.meshes[mesh].primitives;
   for (size_t i = 0; i < primitives.size(); ++i)
-    if (is_drawn(primitives[i]) && !emits(document, primitives[i]) && !refracts(document, primitives[i]))
+    if (is_drawn(primitives[i]) && !is_stored_apart(document, primitives[i], form))
       result.push_back({mesh, i, glm::translate(glm::dmat4(1.0), -form.origin), INVALID_INDEX, form.pose});
   return result;
+}
+
+/// By mesh: how many of its places have the shared form.
+std::vector<uint64_t> count_copies(const Document& document, const std::vector<PlacedNode>& places,
+                                   const std::vector<SharedForm>& forms) {
+  std::vector<uint64_t> copies(forms.size(), 0);
+  for (const PlacedNode& placed : places)
+    if (is_in_form(document, placed, forms)) ++copies[mesh_index(document, placed)];
+  return copies;
+}
+
+/// Copies of what refracts are stored each on its own, so that each is a solid that others may touch or hold,
+/// as long as all together have no more than MOST_TRIANGLES_OF_COPIED_SOLIDS. Of more, they share too: a
+/// forest of glass then takes no more memory than one of wood, and its faces alone tell its inside from its
+/// outside.
+void share_many_solids(const Document& document, const std::vector<PlacedNode>& places,
+                       std::vector<SharedForm>& forms) {
+  const std::vector<uint64_t> copies = count_copies(document, places, forms);
+  uint64_t triangles = 0;
+  for (size_t mesh = 0; mesh < forms.size(); ++mesh) {
+    const auto& primitives = document.model.meshes[mesh].primitives;
+    Size size;
+    for (size_t i = 0; i < primitives.size() && copies[mesh] > 1; ++i)
+      if (is_drawn(primitives[i]) && !emits(document, primitives[i]) && refracts(document, primitives[i]))
+        add_size(document, {mesh, i, glm::dmat4(1.0), INVALID_INDEX, forms[mesh].pose}, size);
+    triangles += copies[mesh] * size.triangles;
+  }
+  for (SharedForm& form : forms) form.shares_solids = triangles > MOST_TRIANGLES_OF_COPIED_SOLIDS;
 }
 
 /// By mesh: whether it is stored once for its copies. Those that are, are chosen together: the gain must be
 /// worth it.
 std::vector<bool> choose_shared_meshes(const Document& document, const std::vector<PlacedNode>& places,
                                        const std::vector<SharedForm>& forms, uint64_t sharing_gain) {
-  std::vector<uint64_t> copies(document.model.meshes.size(), 0);
-  for (const PlacedNode& placed : places)
-    if (is_in_form(document, placed, forms)) ++copies[mesh_index(document, placed)];
+  const std::vector<uint64_t> copies = count_copies(document, places, forms);
   std::vector<bool> is_shared(copies.size(), false);
   uint64_t total = 0;
   for (size_t mesh = 0; mesh < copies.size(); ++mesh) {
@@ -184,8 +219,7 @@ class GeometryBuilder {
           is_in_form(document_, places[place], forms_) && place_copy(mesh, places[place].to_world, place);
       const auto& primitives = document_.model.meshes[mesh].primitives;
       for (size_t i = 0; i < primitives.size(); ++i)
-        if (is_drawn(primitives[i]) &&
-            (!is_copy || emits(document_, primitives[i]) || refracts(document_, primitives[i])))
+        if (is_drawn(primitives[i]) && (!is_copy || is_stored_apart(document_, primitives[i], forms_[mesh])))
           rest.push_back({mesh, i, places[place].to_world, place, places[place].pose.get()});
     }
     require_memory(document_, rest, scene_);
@@ -278,7 +312,8 @@ void add_geometry(Document& document, const std::vector<PlacedNode>& places, con
   for (const tinygltf::Material& material : document.model.materials)
     scene.vertex_uv_sets =
         std::max(scene.vertex_uv_sets, static_cast<uint32_t>(material_uvs(material).further_sets.size()));
-  const std::vector<SharedForm> forms = forms_to_share(document, places, boxes);
+  std::vector<SharedForm> forms = forms_to_share(document, places, boxes);
+  share_many_solids(document, places, forms);
   GeometryBuilder builder(document, scene, forms);
   builder.store_shared_meshes(choose_shared_meshes(document, places, forms, sharing_gain));
   builder.store_places(places);

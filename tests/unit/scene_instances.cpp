@@ -86,6 +86,22 @@ TEST(SceneInstances, NumbersBelongToOneCopyEach) {
   }
 }
 
+// 60 x 60 cells of glass are 7,200 triangles: 72 copies have 518,400 and are solids of their own, 73 more
+// than 2^19.
+TEST(SceneInstances, CopiesOfGlassAreSolidsUnlessThereAreTooMany) {
+  for (const auto& [copies, stored] : {std::pair(72u, 72u), std::pair(73u, 1u)}) {
+    Gltf file;
+    file.root["materials"] = {{{"extensions",
+                                {{"KHR_materials_transmission", {{"transmissionFactor", 1}}},
+                                 {"KHR_materials_volume", {{"thicknessFactor", 1}}}}}}};
+    grid(file, 60, {{"material", 0}});
+    for (uint32_t i = 0; i < copies; ++i) file.node({{"mesh", 0}, {"translation", {0, 0, i}}});
+    const Scene scene = file.load(sharing());
+    EXPECT_EQ(scene.triangles.size(), stored * 7200u);
+    EXPECT_EQ(placed_triangle_count(scene), copies * 7200u);
+  }
+}
+
 TEST(SceneInstances, MeshesThatGainTooLittleEmitOrCannotBePlacedAreStored) {
   Gltf file;
   file.root["materials"] = {{{"emissiveFactor", {1, 1, 1}}}};
