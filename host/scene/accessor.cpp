@@ -201,7 +201,7 @@ glm::mat4 AccessorReader::mat4_at(uint64_t i) const {
   glm::mat4 matrix(0.0f);
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row)
-      matrix[column][row] = component_at(i, static_cast<uint64_t>(4 * column + row));
+      matrix[column][row] = component_at(i, 4 * static_cast<uint64_t>(column) + static_cast<uint64_t>(row));
   return matrix;
 }
 

@@ -117,7 +117,7 @@ void decode_colors(std::span<unsigned char> elements) {
     // The highest bit of alpha tells how many bits there are.
     const int scale = (1 << std::bit_width(static_cast<unsigned>(in[3]))) - 1;
     const int y = in[0];
-    const int co = static_cast<Signed>(in[1]), cg = static_cast<Signed>(in[2]);
+    const auto co = static_cast<Signed>(in[1]), cg = static_cast<Signed>(in[2]);
     const int half_alpha = in[3] & (scale >> 1);
     const std::array<int, 4> rgba = {y + co - cg, y + cg, y - co - cg, half_alpha << 1 | (half_alpha & 1)};
     std::array<T, 4> out{};
