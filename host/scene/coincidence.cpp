@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -136,6 +137,10 @@ class Coincidences {
     return {mixed(0, 0), mixed(0.5, 1)};
   }
 
+  static auto bytes_of(const interface::Material& material) {
+    return std::bit_cast<std::array<std::byte, sizeof(material)>>(material);
+  }
+
   bool matter(const Face& a, const Face& b) const {
     const double facing = dot(a.normal, b.normal);
     if (std::abs(facing) < PARALLEL_COSINE) return false;
@@ -145,7 +150,7 @@ class Coincidences {
     const bool one_emits = emits(a.triangle) || emits(b.triangle);
     const interface::Material& material_a = scene_.materials[scene_.triangles[a.triangle].material];
     const interface::Material& material_b = scene_.materials[scene_.triangles[b.triangle].material];
-    const bool differ = std::memcmp(&material_a, &material_b, sizeof(material_a)) != 0;
+    const bool differ = bytes_of(material_a) != bytes_of(material_b);
     if (is_same_solid || (is_plain && !one_emits && !differ)) return false;
     // The bottom of a box on a floor: nothing is seen of either. The two faces of a leaf have common corners.
     if (is_plain && !one_emits && facing < 0 && common_corners(a, b) < 2) return false;
