@@ -60,11 +60,11 @@ void find_sharpest_lobes(const Scene& scene, const interface::Material& material
   features.least_reflection_alpha = std::min(features.least_reflection_alpha, reflection * reflection);
   const bool refracts = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
                         (material.flags & interface::MATERIAL_VOLUME) != 0;
-  // |n - 1| / max(n, 1) is the same from both sides.
-  if (refracts)
-    features.least_refraction_alpha =
-        std::min(features.least_refraction_alpha,
-                 roughness * roughness * (material.ior - 1) / std::max(material.ior, 1.0f));
+  if (!refracts) return;
+  // |n - 1| / max(n, 1) is the same from both sides. Where solids touch, the indices that meet may be as near
+  // as one likes.
+  const float bend = scene.solids.has_contacts ? 0 : (material.ior - 1) / std::max(material.ior, 1.0f);
+  features.least_refraction_alpha = std::min(features.least_refraction_alpha, roughness * roughness * bend);
 }
 
 /// True if a diffuse base lies under an interface so rough that its own albedo counts (lib/cover.glsl).

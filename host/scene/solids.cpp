@@ -7,11 +7,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
 
+#include "base/disjoint_sets.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
@@ -63,19 +63,6 @@ class Welder {
     }
   };
   std::unordered_map<Key, uint32_t, Hash> numbers_;
-};
-
-class DisjointSets {
- public:
-  explicit DisjointSets(size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  uint32_t root(uint32_t x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  void join(uint32_t a, uint32_t b) { parent_[root(a)] = root(b); }
-
- private:
-  std::vector<uint32_t> parent_;
 };
 
 /// A connected part of a surface.
@@ -203,7 +190,7 @@ class PlaceParts {
   /// connected to the next one through the inside.
   void join_sides(uint64_t key, const std::vector<Side>& sides, DisjointSets& sets) const {
     if (sides.size() == 2) {
-      sets.join(sides[0].member, sides[1].member);
+      sets.join(sides[1].member, sides[0].member);
       return;
     }
     const dvec3 from = positions_[key >> 32];
@@ -223,7 +210,7 @@ class PlaceParts {
         if (angle < least) next = &other;
         least = std::min(least, angle);
       }
-      if (next != nullptr) sets.join(side.member, next->member);
+      if (next != nullptr) sets.join(next->member, side.member);
     }
   }
 
@@ -234,7 +221,7 @@ class PlaceParts {
       if (balance(sides) == 0) continue;
       for (const Side& side : sides)
         for (const uint32_t vertex : {static_cast<uint32_t>(key >> 32), static_cast<uint32_t>(key)})
-          sets.join(side.member, member_at.try_emplace(vertex, side.member).first->second);
+          sets.join(member_at.try_emplace(vertex, side.member).first->second, side.member);
     }
   }
 

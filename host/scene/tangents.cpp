@@ -6,11 +6,11 @@
 #include <cfloat>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "base/disjoint_sets.hpp"
 #include "scene/texture.hpp"
 
 namespace regulus::scene {
@@ -62,21 +62,6 @@ struct VertexEqual {
   bool operator()(const interface::Vertex& a, const interface::Vertex& b) const {
     return a.position == b.position && a.normal == b.normal && a.uv == b.uv;
   }
-};
-
-/// Sets of corners that can be joined.
-class CornerSets {
- public:
-  explicit CornerSets(size_t corners) : parents_(corners) { std::iota(parents_.begin(), parents_.end(), 0u); }
-
-  uint32_t representative(uint32_t corner) {
-    while (parents_[corner] != corner) corner = parents_[corner] = parents_[parents_[corner]];
-    return corner;
-  }
-  void join(uint32_t a, uint32_t b) { parents_[representative(b)] = representative(a); }
-
- private:
-  std::vector<uint32_t> parents_;
 };
 
 /// Two triangles at an edge that they run through in opposite directions; corner k starts edge k.
@@ -155,8 +140,8 @@ void adopt_orientations(std::vector<Facet>& facets, const std::vector<SharedEdge
     }
 }
 
-CornerSets join_corners(const std::vector<Facet>& facets, const std::vector<SharedEdge>& shared) {
-  CornerSets sets(3 * facets.size());
+DisjointSets join_corners(const std::vector<Facet>& facets, const std::vector<SharedEdge>& shared) {
+  DisjointSets sets(3 * facets.size());
   const auto corner = [](size_t facet, uint32_t i) { return static_cast<uint32_t>(3 * facet) + i % 3; };
   for (const SharedEdge& edge : shared) {
     const auto [f, g] = edge.facets;
@@ -243,17 +228,17 @@ void add_tangents(Scene& scene, size_t first_vertex, size_t first_triangle,
   std::vector<Facet> facets = make_facets(scene, first_triangle, placement, space);
   const std::vector<SharedEdge> shared = find_shared_edges(facets);
   adopt_orientations(facets, shared);
-  CornerSets sets = join_corners(facets, shared);
+  DisjointSets sets = join_corners(facets, shared);
   std::vector<dvec3> sums(3 * facets.size(), dvec3(0));
   for (uint32_t corner = 0; corner < sums.size(); ++corner)
-    sums[sets.representative(corner)] += weighted_tangent(scene, facets[corner / 3], corner % 3, space);
+    sums[sets.root(corner)] += weighted_tangent(scene, facets[corner / 3], corner % 3, space);
 
   TangentWriter writer(scene, first_vertex);
   for (size_t f = 0; f < facets.size(); ++f) {
     std::array<uint32_t, 3> vertices{};
     for (uint32_t i = 0; i < 3; ++i) {
       const uint32_t vertex = facets[f].vertices[i];
-      const dvec3 sum = space.to_world * sums[sets.representative(static_cast<uint32_t>(3 * f) + i)];
+      const dvec3 sum = space.to_world * sums[sets.root(static_cast<uint32_t>(3 * f) + i)];
       const double length = glm::length(sum);
       glm::vec4 tangent = length > FLT_MIN ? glm::vec4(glm::vec3(sum / length), 1.0f)
                                            : any_tangent(scene.vertices[vertex].normal);
