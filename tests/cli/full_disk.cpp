@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "cli/process.hpp"
+#include "cli/small_scenes.hpp"
 #include "image/image.hpp"
-#include "images/support/gltf_scene.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -28,11 +28,7 @@ std::string read_file(const fs::path& path) {
 class FullDisk : public testing::Test {
  protected:
   void SetUp() override {
-    GltfScene scene;
-    scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
-    scene.set_perspective(look_at({0, 0, 2}, {0, 0, 0}), 0.8);
-    scene.add_point_light({0, 0, 1}, {1, 1, 1});
-    scene.write(gltf());
+    write_lit_square(gltf());
     fs::create_directory(disk());
     fs::create_directory(elsewhere());
     std::ofstream(disk() / "full");

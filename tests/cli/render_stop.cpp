@@ -4,8 +4,8 @@
 #include <cmath>
 #include <fstream>
 
-#include "cli/lit_floor.hpp"
 #include "cli/process.hpp"
+#include "cli/small_scenes.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {

@@ -13,8 +13,8 @@
 #include <thread>
 
 #include "cli/process.hpp"
+#include "cli/small_scenes.hpp"
 #include "image/image.hpp"
-#include "images/support/gltf_scene.hpp"
 
 namespace regulus::test {
 namespace {
@@ -23,13 +23,7 @@ namespace fs = std::filesystem;
 
 class Streams : public testing::Test {
  protected:
-  void SetUp() override {
-    GltfScene scene;
-    scene.add({quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0})}, lambert({0.5, 0.5, 0.5}));
-    scene.set_perspective(look_at({0, 0, 2}, {0, 0, 0}), 0.8);
-    scene.add_point_light({0, 0, 1}, {1, 1, 1});
-    scene.write(gltf());
-  }
+  void SetUp() override { write_lit_square(gltf()); }
   std::string gltf() const { return (folder_ / "scene.gltf").string(); }
   std::string exr() const { return (folder_ / "out.exr").string(); }
 

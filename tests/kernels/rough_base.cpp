@@ -134,6 +134,8 @@ TEST(RoughBase, CreatesNoLight) {
     const size_t place = static_cast<size_t>(found - all.begin());
     std::printf("%-20s at most %.5f, at roughness %.2f and cosine %.2f\n", kind.name, most,
                 roughness[place / cosines.size()], cosines[place % cosines.size()]);
+    // From inside .0039 is there with 2^16 and 2^19 samples alike (roughness .12, cosine .8, beside the
+    // critical angle): not the sampling's, and not explained yet.
     EXPECT_LT(most, 1 + TABLE_ERROR + SAMPLING_ERROR + (kind.is_front ? 0 : JUMP_ERROR)) << kind.name;
   }
 }
