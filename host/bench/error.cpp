@@ -36,20 +36,20 @@ struct Trial {
 
 // Kernels are compiled at their first dispatch on some devices: one sample beforehand keeps that out of the
 // times.
-void warm_up(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-             render::RenderSettings settings) {
+void warm_up(gpu::Device& device, const PreparedScene& prepared, render::RenderSettings settings) {
   settings.samples = 1;
-  render::Renderer(device, scene, bvh, settings).render([](uint64_t, uint64_t) { return true; });
+  render::Renderer(device, prepared, make_plan(prepared, settings)).render([](uint64_t, uint64_t) {
+    return true;
+  });
 }
 
 // @param reference of the region; null: no curve
-Trial run_trial(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                render::RenderSettings settings, const ErrorBudget& budget, const image::Image* reference,
-                const render::Window& region) {
+Trial run_trial(gpu::Device& device, const PreparedScene& prepared, render::RenderSettings settings,
+                const ErrorBudget& budget, const image::Image* reference, const render::Window& region) {
   settings.keeps_doublings = true;
   settings.samples = budget.samples != 0 ? budget.samples : 1u << 24;
   const uint64_t pixels = settings.window().pixels();
-  render::Renderer renderer(device, scene, bvh, settings);
+  render::Renderer renderer(device, prepared, make_plan(prepared, settings));
 
   Trial trial;
   const auto start = Clock::now();
@@ -141,13 +141,13 @@ double mean_of(const image::Image& image) {
   return sum / static_cast<double>(image.rgb.size());
 }
 
-std::vector<Trial> run_trials(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+std::vector<Trial> run_trials(gpu::Device& device, const PreparedScene& prepared,
                               render::RenderSettings settings, const ErrorBudget& budget,
                               const image::Image* reference, const render::Window& region) {
-  warm_up(device, scene, bvh, settings);
+  warm_up(device, prepared, settings);
   std::vector<Trial> trials;
   for (uint32_t i = 0; i < budget.seeds; ++i, ++settings.seed)
-    trials.push_back(run_trial(device, scene, bvh, settings, budget, reference, region));
+    trials.push_back(run_trial(device, prepared, settings, budget, reference, region));
   return trials;
 }
 
@@ -161,7 +161,7 @@ ErrorRun measure_error(gpu::Device& device, const ErrorSubject& subject,
                        const render::RenderSettings& settings, const ErrorBudget& budget) {
   const image::Image reference = measured_reference(subject);
   std::vector<Trial> trials =
-      run_trials(device, subject.scene, subject.bvh, settings, budget, &reference, subject.region);
+      run_trials(device, subject.prepared, settings, budget, &reference, subject.region);
   const Spread spread = spread_of(trials, &reference);
   ErrorRun run;
   run.points = mean_curve(trials);
@@ -174,9 +174,9 @@ ErrorRun measure_error(gpu::Device& device, const ErrorSubject& subject,
   return run;
 }
 
-Reference make_reference(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+Reference make_reference(gpu::Device& device, const PreparedScene& prepared,
                          const render::RenderSettings& settings, const ErrorBudget& budget) {
-  const std::vector<Trial> trials = run_trials(device, scene, bvh, settings, budget, nullptr, {});
+  const std::vector<Trial> trials = run_trials(device, prepared, settings, budget, nullptr, {});
   Spread spread = spread_of(trials, nullptr);
   return {std::move(spread.mean), spread.relative_variance / static_cast<double>(budget.seeds)};
 }

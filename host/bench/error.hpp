@@ -8,11 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "bvh/bvh.hpp"
 #include "gpu/gpu.hpp"
 #include "image/image.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "render/settings.hpp"
-#include "scene/scene.hpp"
 
 namespace regulus::bench {
 
@@ -40,8 +39,7 @@ struct ErrorRun {
 
 /// What error benchmarks need of a scene.
 struct ErrorSubject {
-  const scene::Scene& scene;
-  const bvh::Bvh& bvh;
+  const PreparedScene& prepared;
   const image::Image& reference;  ///< of the whole film
   render::Window region{};        ///< pixels that are measured, of a whole render; without pixels: all
 };
@@ -69,7 +67,7 @@ struct Reference {
 };
 
 /// The mean over `budget.seeds` renders. @throws as measure_error
-Reference make_reference(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
+Reference make_reference(gpu::Device& device, const PreparedScene& prepared,
                          const render::RenderSettings& settings, const ErrorBudget& budget);
 
 }  // namespace regulus::bench

@@ -9,8 +9,8 @@
 #include "base/error.hpp"
 #include "base/median.hpp"
 #include "base/process_usage.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "interface/wavefront.h"
+#include "prepared/prepared_scene.hpp"
 #include "render/renderer.hpp"
 
 namespace regulus::bench {
@@ -196,11 +196,7 @@ class Subject {
  public:
   Subject(gpu::Device& device, scene::Scene scene, const render::RenderSettings& settings,
           const SkipBudget& budget)
-      : device_(device),
-        scene_(std::move(scene)),
-        bvh_(bvh::build_for_scene(scene_)),
-        settings_(settings),
-        budget_(budget) {
+      : device_(device), prepared_(prepare(std::move(scene))), settings_(settings), budget_(budget) {
     render::RenderSettings warm_up = settings;
     warm_up.samples = 1;
     render(warm_up);
@@ -215,19 +211,18 @@ class Subject {
  private:
   double render(const render::RenderSettings& settings) {
     const uint64_t before = device_.allocated_bytes();
-    render::Renderer renderer(device_, scene_, bvh_, settings);
+    render::Renderer renderer(device_, prepared_, make_plan(prepared_, settings));
     const double start = process_cpu_seconds();
     renderer.render([&](uint64_t, uint64_t) { return !budget_.is_interrupted || !budget_.is_interrupted(); });
     if (budget_.is_interrupted && budget_.is_interrupted())
       throw Error(ExitStatus::Interrupted, "interrupted");
-    bytes_ = device_.allocated_bytes() - before - bvh_.nodes.size() * sizeof(bvh_.nodes[0]);
+    bytes_ = device_.allocated_bytes() - before - prepared_.bvh.nodes.size() * sizeof(prepared_.bvh.nodes[0]);
     bytes_per_path_ = renderer.statistics().bytes_per_path;
     return process_cpu_seconds() - start;
   }
 
   gpu::Device& device_;
-  scene::Scene scene_;
-  bvh::Bvh bvh_;
+  PreparedScene prepared_;
   const render::RenderSettings& settings_;
   const SkipBudget& budget_;
   uint64_t bytes_ = 0, bytes_per_path_ = 0;
@@ -246,16 +241,15 @@ bool add_unused_feature(scene::Scene& scene, uint32_t feature) {
 SkipReport measure_skipped(gpu::Device& device, const scene::Scene& scene,
                            const render::RenderSettings& settings, const SkipBudget& budget) {
   Subject plain(device, scene, settings, budget);
-  scene::Scene prepared = scene;
-  bvh::build_for_scene(prepared);
-  const uint32_t present = scene::find_features(prepared).bits;
+  const PreparedScene prepared = prepare(scene);
+  const uint32_t present = prepared.features.bits;
 
   SkipReport report;
   report.bytes_per_path = plain.bytes_per_path();
   std::vector<double> seconds, noise;
   for (const scene::FeatureDescription& feature : scene::feature_descriptions()) {
     scene::Scene changed = scene;
-    changed.environment = prepared.environment;  // what a scene without lights gets
+    changed.environment = prepared.scene.environment;  // what a scene without lights gets
     if ((present & feature.bit) != 0 || !add_unused_feature(changed, feature.bit)) continue;
     Subject subject(device, std::move(changed), settings, budget);
     std::vector<double> ratios;

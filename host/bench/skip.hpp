@@ -35,7 +35,7 @@ struct SkipBudget {
   std::function<bool()> is_interrupted = nullptr;  ///< if it says so, measuring is given up
 };
 
-/// Gives a scene, loaded and not yet prepared by bvh::build_for_scene, a feature on a triangle of a millionth
+/// Gives a scene, loaded and not yet prepared, a feature on a triangle of a millionth
 /// of its size at the corner of its bounds, or as a light of next to no power. False if it cannot be added
 /// so.
 /// @param feature FEATURE_* bit
@@ -43,7 +43,7 @@ bool add_unused_feature(scene::Scene& scene, uint32_t feature);
 
 /// Measures all features that the scene lacks. Times are CPU seconds of this process, so the device must be
 /// one that computes on the CPU.
-/// @param scene loaded and not yet prepared by bvh::build_for_scene
+/// @param scene loaded and not yet prepared
 /// @throws regulus::Error as render::Renderer, and (Interrupted)
 SkipReport measure_skipped(gpu::Device& device, const scene::Scene& scene,
                            const render::RenderSettings& settings, const SkipBudget& budget);

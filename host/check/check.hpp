@@ -6,23 +6,20 @@
 #include <string>
 #include <vector>
 
-#include "bvh/bvh.hpp"
 #include "check/tally.hpp"
 #include "gpu/gpu.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "reference/walk.hpp"
-#include "render/settings.hpp"
 #include "render/stage_recorder.hpp"
-#include "scene/scene.hpp"
 
 namespace regulus::check {
 
-/// A scene with the settings of both backends. Everything referred to must outlive it.
+/// A scene with what both backends do. Everything referred to must outlive it.
 struct Subject {
-  const scene::Scene& scene;
-  const bvh::Bvh& bvh;
+  const PreparedScene& prepared;
   const reference::World& world;
   const reference::Camera& camera;
-  const render::RenderSettings& settings;
+  const render::Plan& plan;
   const reference::Settings& reference_settings;
 };
 
@@ -36,7 +33,7 @@ std::vector<Tally> check_sorting(const Subject& subject, const render::Connectio
 
 /// An iteration with connections to the cache and merges: which vertices are connected and merged, what that
 /// contributes, and the weights that the device's recurrences give, each against its definition. `subject`'s
-/// settings are those of the recorder.
+/// plan is that of the recorder.
 std::vector<Tally> check_connections(const Subject& subject, uint32_t sample,
                                      const render::ConnectionRecording& recording);
 

@@ -225,7 +225,7 @@ class ConnectionChecker {
 
   /// Resolution of the film.
   double film_unit() const {
-    return std::ldexp(1.0, subject_.scene.film_exponents.radiance - int{FILM_FRACTION_BITS});
+    return std::ldexp(1.0, subject_.prepared.scene.film_exponents.radiance - int{FILM_FRACTION_BITS});
   }
 
   void judge_item(const Item& item, const Expected& wanted, double floor, const char* name, Tally& tally,

@@ -51,7 +51,7 @@ std::string describe_vertex(const Subject& subject, const reference::WalkVertex&
   const reference::BsdfParameters& bsdf = vertex.bsdf.parameters();
   const uint32_t material = vertex.surface.material;
   std::string text = fmt::format("vertex {}: material {} \"{}\"{}\n", index + 1, material,
-                                 subject.scene.material_names[material],
+                                 subject.prepared.scene.material_names[material],
                                  vertex.surface.light == INVALID_INDEX ? "" : ", emits");
   text +=
       fmt::format("  reference  triangle {:>8}  position {}  arrives with {}\n", vertex.surface.triangle,

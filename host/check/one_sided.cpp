@@ -91,7 +91,7 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
 }
 
 void ConnectionChecker::find_missing_light_samples(Tally& on_one_side) const {
-  if ((set_.bits & TECHNIQUE_NEE) == 0 || subject_.scene.lights.empty()) return;
+  if ((set_.bits & TECHNIQUE_NEE) == 0 || subject_.prepared.scene.lights.empty()) return;
   for (uint32_t i = 0; i < recording_.bounces.size() && i + 2 <= settings_.max_depth; ++i) {
     const RecordedConnections& bounce = recording_.bounces[i];
     std::vector<bool> has_sample(bounce.camera_vertices.size(), false);

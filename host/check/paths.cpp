@@ -6,6 +6,7 @@
 #include <string>
 
 #include "check/check.hpp"
+#include "check/reference_render.hpp"
 #include "reference/estimator.hpp"
 #include "reference/renderer.hpp"
 #include "render/renderer.hpp"
@@ -160,16 +161,15 @@ Tally check_image(gpu::Device& device, const Subject& subject, const char* name,
   const bool has_splats = (techniques & TECHNIQUE_SPLAT) != 0;
   Tally tally(fmt::format("image by {}", name), RADIANCE_BOUND,
               has_splats ? PIXELS_OF_A_SPLAT * PATHS_ALLOWED : PATHS_ALLOWED);
-  render::RenderSettings settings = subject.settings;
+  render::RenderSettings settings = subject.plan.asked;
   settings.techniques = techniques;
   settings.samples = 1;
-  render::Renderer renderer(device, subject.scene, subject.bvh, settings);
+  const render::Plan plan = make_plan(subject.prepared, settings);
+  render::Renderer renderer(device, subject.prepared, plan);
   renderer.render([](uint64_t, uint64_t) { return true; });
   const image::Image image = render::resolve(renderer.film());
 
-  reference::Settings wanted = subject.reference_settings;
-  wanted.techniques = techniques;
-  wanted.samples = 1;
+  const reference::Settings wanted = reference_settings(plan);
   compare_colors(
       colors_of(image), wanted,
       [&](const reference::Settings& moved) { return reference::render(subject.world, moved).sum; },

@@ -26,62 +26,61 @@ void add_film_channels(const reference::Film& film, uint32_t aovs, image::Channe
 
 }  // namespace
 
-reference::Settings reference_settings(const render::RenderSettings& settings) {
+reference::Settings reference_settings(const render::Plan& plan) {
   // Shares with and without regularization are two contributions to the reference, and one to the device.
-  if (std::isfinite(settings.largest_contribution) &&
-      ((settings.regularization & interface::REGULARIZATION_BOTH) != 0 ||
-       settings.sampler_quality != interface::SAMPLER_QUALITY_OFF))
+  if (std::isfinite(plan.largest_contribution) &&
+      ((plan.regularization & interface::REGULARIZATION_BOTH) != 0 ||
+       plan.sampler_quality != interface::SAMPLER_QUALITY_OFF))
     throw Error(ExitStatus::BadUsage,
                 "the scalar reference has no --clamp with --regularization both or sampler quality");
-  if ((settings.aovs & render::AOV_SIGMA) != 0)
+  if ((plan.aovs & render::AOV_SIGMA) != 0)
     throw Error(ExitStatus::BadUsage, "the scalar reference has no --aov sigma");
   reference::Settings result;
-  result.width = settings.width;
-  result.height = settings.height;
-  result.crop = {settings.crop.x, settings.crop.y, settings.crop.width, settings.crop.height};
-  result.largest_contribution = static_cast<double>(settings.largest_contribution);
-  result.camera = settings.camera;
-  result.first_sample = settings.first_sample;
-  result.samples = settings.samples;
-  result.max_depth = settings.max_depth;
-  result.seed = settings.seed;
-  result.sampler = settings.sampler;
-  result.techniques = settings.techniques;
-  result.light_paths = settings.light_paths;
-  result.merge_radius = settings.merge_radius;
-  result.merge_reduction = settings.merge_reduction;
-  result.cache_connections = settings.cache_connections;
-  result.regularization = settings.regularization;
-  result.bound = settings.bound;
-  result.mis = settings.mis;
-  result.tau = settings.tau;
-  result.sampler_quality = settings.sampler_quality;
-  result.ndf = settings.ndf;
-  result.shadowing = settings.shadowing;
-  result.filter = {settings.filter, settings.filter_radius, settings.filter_sigma};
+  result.width = plan.width;
+  result.height = plan.height;
+  result.crop = {plan.crop.x, plan.crop.y, plan.crop.width, plan.crop.height};
+  result.largest_contribution = static_cast<double>(plan.largest_contribution);
+  result.camera = plan.camera;
+  result.first_sample = plan.first_sample;
+  result.samples = plan.samples;
+  result.max_depth = plan.max_depth;
+  result.seed = plan.seed;
+  result.sampler = plan.sampler;
+  result.techniques = plan.techniques;
+  result.light_paths = plan.light_paths;
+  result.merge_radius = plan.merge_radius;
+  result.merge_reduction = plan.merge_reduction;
+  result.cache_connections = plan.cache_connections;
+  result.regularization = plan.regularization;
+  result.bound = plan.bound;
+  result.mis = plan.mis;
+  result.tau = plan.tau;
+  result.sampler_quality = plan.sampler_quality;
+  result.ndf = plan.ndf;
+  result.shadowing = plan.shadowing;
+  result.filter = {plan.filter, plan.filter_radius, plan.filter_sigma};
   return result;
 }
 
-ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh& bvh,
-                                      const render::RenderSettings& settings,
+ReferenceRender render_with_reference(const PreparedScene& prepared, const render::Plan& plan,
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress) {
-  const reference::Settings wanted = reference_settings(settings);
-  const reference::World world(scene, bvh, wanted.ndf, wanted.shadowing, settings.light_sampling,
-                               settings.has_energy_compensation);
+  const reference::Settings wanted = reference_settings(plan);
+  const reference::World world(prepared, wanted.ndf, wanted.shadowing, plan.asked.light_sampling,
+                               plan.has_energy_compensation);
   const uint64_t pixels = wanted.window().pixels();
   const reference::Film film = reference::render(
       world, wanted, [&](uint32_t done, uint32_t total) { return progress(done * pixels, total * pixels); });
   ReferenceRender result{{film.width, film.height, {}}, {}, film.iterations};
   for (size_t i = 0; i < pixels; ++i)
     for (int c = 0; c < 3; ++c) result.image.rgb.push_back(static_cast<float>(film.mean(i)[c]));
-  if ((settings.aovs & render::SURFACE_AOVS) != 0) {
+  if ((plan.aovs & render::SURFACE_AOVS) != 0) {
     const reference::Camera camera(
-        scene::make_camera(scene.cameras.at(wanted.camera), wanted.width, wanted.height), wanted.width,
-        wanted.height);
-    render::add_surface_channels(reference::first_hits(world, camera, wanted), settings.aovs, scene.origin,
-                                 result.channels);
+        scene::make_camera(prepared.scene.cameras.at(wanted.camera), wanted.width, wanted.height),
+        wanted.width, wanted.height);
+    render::add_surface_channels(reference::first_hits(world, camera, wanted), plan.aovs,
+                                 prepared.scene.origin, result.channels);
   }
-  add_film_channels(film, settings.aovs, result.channels);
+  add_film_channels(film, plan.aovs, result.channels);
   return result;
 }
 

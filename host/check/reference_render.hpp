@@ -3,18 +3,17 @@
 
 #include <functional>
 
-#include "bvh/bvh.hpp"
 #include "image/image.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "reference/renderer.hpp"
-#include "render/settings.hpp"
-#include "scene/scene.hpp"
+#include "render/plan.hpp"
 
 namespace regulus::check {
 
-/// The reference's settings for a render's.
+/// The reference's settings for a plan.
 /// @throws regulus::Error (BadUsage) for what the reference does not do: clamping shares of both or of
 /// sampler quality.
-reference::Settings reference_settings(const render::RenderSettings& settings);
+reference::Settings reference_settings(const render::Plan& plan);
 
 /// A render by the reference: the mean image and the iterations (samples of every pixel) in it.
 struct ReferenceRender {
@@ -23,10 +22,8 @@ struct ReferenceRender {
   uint32_t samples = 0;
 };
 
-/// Renders on all processors until done or `progress` returns false; called with paths done and in all. Scene
-/// and tree as for render::Renderer.
-ReferenceRender render_with_reference(const scene::Scene& scene, const bvh::Bvh& bvh,
-                                      const render::RenderSettings& settings,
+/// Renders on all processors until done or `progress` returns false; called with paths done and in all.
+ReferenceRender render_with_reference(const PreparedScene& prepared, const render::Plan& plan,
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress);
 
 }  // namespace regulus::check

@@ -191,7 +191,7 @@ class StageChecker {
   double distance_conditioning(const reference::Ray& ray, const reference::Intersection& hit) const {
     const reference::Surface surface = subject_.world.surface_at(hit.triangle, hit.barycentrics);
     double extent = 0;
-    for (const glm::vec3& vertex : placed_positions(subject_.scene, hit.triangle))
+    for (const glm::vec3& vertex : placed_positions(subject_.prepared.scene, hit.triangle))
       extent = std::max(extent, length(dvec3(vertex) - surface.position));
     const double shape = extent * extent / (2 * surface.area);
     const double cosine = std::abs(dot(surface.geometric_normal, ray.direction));
@@ -203,7 +203,7 @@ class StageChecker {
     // A tie: the device's triangle is met at that distance, and the reference's as near as makes no
     // difference.
     if (expected && hit.triangle != INVALID_INDEX && std::abs(hit.t - expected->t) < TIE_DISTANCE * scale) {
-      const auto p = placed_positions(subject_.scene, hit.triangle);
+      const auto p = placed_positions(subject_.prepared.scene, hit.triangle);
       const auto own = reference::intersect(ray, {dvec3(p[0]), dvec3(p[1]), dvec3(p[2])});
       if (own && std::abs(own->t - hit.t) < TIE_DISTANCE * scale) return Difference::Tie;
     }
@@ -274,8 +274,8 @@ class StageChecker {
   /// The reference's step from the device's inputs, moved by jitter >= 0.
   std::optional<Step> step(const Path& path, const reference::Place& place, const Hit& hit, uint32_t index,
                            int jitter) const {
-    const uint32_t last_bounce = subject_.settings.max_depth - (is_camera_ ? 2 : 3);
-    if (subject_.settings.max_depth < (is_camera_ ? 2U : 3U) || index > last_bounce) return std::nullopt;
+    const uint32_t last_bounce = subject_.plan.max_depth - (is_camera_ ? 2 : 3);
+    if (subject_.plan.max_depth < (is_camera_ ? 2U : 3U) || index > last_bounce) return std::nullopt;
     const bool is_moved = jitter >= 0;
     reference::WalkState state;
     state.direction =
@@ -364,7 +364,7 @@ class StageChecker {
     }
     tally.describe(fmt::format(
         "slot {} bounce {} triangle {} material {}: {} {} throughput {} against {} {} throughput {}", slot,
-        index, hit.triangle, placed_triangle(subject_.scene, hit.triangle).triangle.material,
+        index, hit.triangle, placed_triangle(subject_.prepared.scene, hit.triangle).triangle.material,
         is_alive ? "goes" : "ends", text_of(found.direction), text_of(found.throughput),
         expected ? "goes" : "ends", expected ? text_of(expected->direction) : "",
         expected ? text_of(expected->throughput) : ""));

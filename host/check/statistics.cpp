@@ -19,11 +19,11 @@ constexpr uint32_t TILE = 8;               // pixels
 // Seeds of the second set follow at this distance.
 constexpr uint32_t OTHER_SEEDS = 0x10000;
 
-std::vector<Image> device_images(gpu::Device& device, const Subject& subject, render::RenderSettings settings,
+std::vector<Image> device_images(gpu::Device& device, const Subject& subject, render::Plan plan,
                                  uint32_t count) {
   std::vector<Image> images;
-  for (uint32_t i = 0; i < count; ++i, ++settings.seed) {
-    render::Renderer renderer(device, subject.scene, subject.bvh, settings);
+  for (uint32_t i = 0; i < count; ++i, ++plan.seed) {
+    render::Renderer renderer(device, subject.prepared, plan);
     renderer.render([](uint64_t, uint64_t) { return true; });
     images.push_back(render::resolve(renderer.film()));
   }
@@ -55,17 +55,17 @@ std::vector<Image> reference_images(const Subject& subject, uint32_t count) {
 
 std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subject, uint32_t batches,
                                         std::optional<uint32_t> other_techniques, double tolerance) {
-  const std::vector<Image> first = device_images(device, subject, subject.settings, batches);
+  const std::vector<Image> first = device_images(device, subject, subject.plan, batches);
   std::vector<Image> second;
   if (other_techniques) {
-    render::RenderSettings other = subject.settings;
+    render::RenderSettings other = subject.plan.asked;
     other.techniques = *other_techniques;
     other.seed += OTHER_SEEDS;
-    second = device_images(device, subject, other, batches);
+    second = device_images(device, subject, make_plan(subject.prepared, other), batches);
   } else {
     second = reference_images(subject, batches);
   }
-  const uint32_t size = std::max(subject.settings.width, subject.settings.height);
+  const uint32_t size = std::max(subject.plan.width, subject.plan.height);
   std::vector<ImageTest> tests;
   for (const auto& [name, tile] :
        {std::pair<const char*, uint32_t>{"pixels", 1}, {"tiles of 8x8", TILE}, {"whole image", size}}) {

@@ -13,7 +13,6 @@
 #include "base/error.hpp"
 #include "bench/error.hpp"
 #include "bench/page.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/bench_talk.hpp"
 #include "cli/interrupt.hpp"
@@ -49,18 +48,6 @@ struct BenchReferenceOptions {
   std::string scene, output, size = "256x256", options = "-i vcm --regularization none --seed 1001", device;
   bench::ErrorBudget budget;
 };
-
-// A scene ready to render.
-struct Loaded {
-  scene::Scene scene;
-  bvh::Bvh bvh;
-};
-
-Loaded load(const std::string& file) {
-  Loaded loaded{scene::load(file, {}), {}};
-  loaded.bvh = bvh::build_for_scene(loaded.scene);
-  return loaded;
-}
 
 std::vector<BenchConfig> parse_configs(const std::string& list) {
   std::vector<BenchConfig> configs;
@@ -121,18 +108,18 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   render::Window region;
   if (!options.region.empty()) region = parse_window("--region", options.region, {whole.width, whole.height});
 
-  Loaded loaded = load(comparison.scene);
+  const PreparedScene prepared = prepare(scene::load(comparison.scene, {}));
   say("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene, whole.width,
       whole.height, section.reference_relmse);
   say("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s", "relmse",
       "variance", "bias^2", "mean");
   const std::string size = fmt::format("{}x{}", whole.width, whole.height);
-  const bench::ErrorSubject subject{loaded.scene, loaded.bvh, whole, region};
+  const bench::ErrorSubject subject{prepared, whole, region};
   section.reference = bench::measured_reference(subject);
   bench::ErrorBudget budget = options.budget;
   if (comparison.samples != 0 && budget.samples == 0) budget.samples = comparison.samples;
   for (const BenchConfig& config : comparison.configs) {
-    ResolvedOptions render = resolve_render_options(config.options, size, loaded.scene, loaded.bvh);
+    ResolvedOptions render = resolve_render_options(config.options, size, prepared);
     section.exposure_ev = render.exposure_ev;
     std::string clamp;
     if (!config.clamped_like.empty()) {
@@ -218,16 +205,14 @@ void run_bench_reference(BenchReferenceOptions& options) {
   std::error_code ignored;
   if (file.has_parent_path()) fs::create_directories(file.parent_path(), ignored);
   image::require_format("--output", file, {image::Format::Exr});
-  Loaded loaded = load(options.scene);
+  const PreparedScene prepared = prepare(scene::load(options.scene, {}));
   OutputGuard guard;
   guard.add_scene(options.scene);
   guard.add_output("--output", file);
   guard.require_places();
-  const ResolvedOptions render =
-      resolve_render_options(options.options, options.size, loaded.scene, loaded.bvh);
+  const ResolvedOptions render = resolve_render_options(options.options, options.size, prepared);
   gpu::Device device({.select = options.device, .software_stage_times = false});
-  const bench::Reference reference =
-      bench::make_reference(device, loaded.scene, loaded.bvh, render.settings, options.budget);
+  const bench::Reference reference = bench::make_reference(device, prepared, render.settings, options.budget);
   OutputWriter writer;
   writer.write(file, [&] {
     return image::encode_exr(

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
+#include "render/plan.hpp"
 
 namespace regulus::cli {
 namespace {
@@ -32,16 +32,17 @@ void parse_render_options(const std::string& text, const std::string& scene_file
 
 }  // namespace
 
-ResolvedOptions resolve_render_options(const std::string& text, const std::string& size, scene::Scene& scene,
-                                       const bvh::Bvh& bvh) {
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
+                                       const PreparedScene& prepared) {
+  const scene::Scene& scene = prepared.scene;
   RenderOptions options;
   CLI::App command;
   parse_render_options(text, scene.path.string(), command, options);
   apply_scene_settings(command, scene);
   options.size = size;
   render::RenderSettings settings = resolve_settings(options, scene);
-  const std::string warning = choose_needed_merge_radius(scene, bvh, settings);
-  if (!warning.empty()) spdlog::warn("{}: {}", scene.path.string(), warning);
+  for (const std::string& warning : make_plan(prepared, settings).warnings)
+    spdlog::warn("{}: {}", scene.path.string(), warning);
   return {std::move(settings), options.exposure_ev};
 }
 

@@ -3,9 +3,8 @@
 
 #include <string>
 
-#include "bvh/bvh.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "render/settings.hpp"
-#include "scene/scene.hpp"
 
 namespace regulus::cli {
 
@@ -14,11 +13,10 @@ struct ResolvedOptions {
   float exposure_ev;
 };
 
-/// What `regulus render SCENE <text> --size <size>` would use, the scene's own settings behind them. The
-/// scene must have been prepared by bvh::build_for_scene, whose result is `bvh`.
+/// What `regulus render SCENE <text> --size <size>` would use, the scene's own settings behind them.
 /// @throws Error(BadUsage)
-ResolvedOptions resolve_render_options(const std::string& text, const std::string& size, scene::Scene& scene,
-                                       const bvh::Bvh& bvh);
+ResolvedOptions resolve_render_options(const std::string& text, const std::string& size,
+                                       const PreparedScene& prepared);
 
 /// Checks the options without the scene. @throws Error(BadUsage)
 void require_render_options(const std::string& text, const std::string& scene_file);

@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "bench/skip.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/output_guard.hpp"
@@ -45,9 +44,7 @@ void run_bench_skip(BenchSkipOptions& options) {
   guard.add_scene(options.scene);
   if (!options.json.empty()) guard.add_output("--json", options.json);
   guard.require_places();
-  scene::Scene prepared = scene;
-  const bvh::Bvh bvh = bvh::build_for_scene(prepared);
-  const ResolvedOptions render = resolve_render_options(options.options, options.size, prepared, bvh);
+  const ResolvedOptions render = resolve_render_options(options.options, options.size, prepare(scene));
   gpu::Device device({.select = options.device, .software_stage_times = false});
   if (device.info().kind != gpu::DeviceKind::Software)
     throw Error(

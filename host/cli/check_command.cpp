@@ -9,26 +9,25 @@
 #include <memory>
 
 #include "base/error.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
 #include "cli/commands.hpp"
-#include "cli/merge_radius.hpp"
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
+#include "reference/merge_radius.hpp"
 
 namespace regulus::cli {
 
 namespace {
 
 using namespace interface;
+using render::WALK_TECHNIQUES;
 
 // Without --size: as many paths as a stage needs for its 99.9th percentile to mean something.
 constexpr const char* DEFAULT_SIZE = "96x64";
 constexpr uint32_t CHECKED_ITERATIONS[] = {0, 1, 1000};
 constexpr uint32_t MOST_ITERATIONS = 10'000;  // of a scene where little can be weighed
-constexpr uint32_t WALK_TECHNIQUES = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT;
 
 constexpr const char* BLENDED =
     "whole paths, connections and images are not compared: what a ray does at a blended surface hangs on its "
@@ -75,22 +74,19 @@ bool report(const check::Tally& tally) {
 /// 0: the first two and a late one, where radius and roughness have shrunk.
 bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subject, uint64_t weights) {
   constexpr uint32_t BOTH = TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
-  render::RenderSettings asked = subject.settings;
+  render::RenderSettings asked = subject.plan.asked;
   asked.techniques = WALK_TECHNIQUES | BOTH;
   if (asked.cache_connections == 0) asked.cache_connections = 3;
   // So wide that every vertex has some light paths to merge with, few as they are.
-  const double extent = seen_by_camera(subject.scene, subject.bvh, asked.camera).extent;
-  asked.merge_radius = std::max(asked.merge_radius, static_cast<float>(0.05 * extent));
-  render::StageRecorder recorder(device, subject.scene, subject.bvh, asked, asked.width * asked.height,
-                                 WALK_TECHNIQUES | BOTH);
-  reference::Settings wanted = subject.reference_settings;
-  wanted.techniques = recorder.settings().techniques;
-  if ((wanted.techniques & BOTH) != BOTH) return true;  // nothing in the scene can be connected
-  wanted.cache_connections = recorder.settings().cache_connections;
-  wanted.light_paths = recorder.settings().light_paths;
-  wanted.merge_radius = recorder.settings().merge_radius;
-  const check::Subject same{subject.scene,  subject.bvh,         subject.world,
-                            subject.camera, recorder.settings(), wanted};
+  const double extent = render::seen_by_camera(subject.prepared, asked.camera).extent;
+  asked.merge_radius = std::max(render::choose_merge_radius(subject.prepared, asked).metres,
+                                static_cast<float>(0.05 * extent));
+  asked.keeps_merge_radius = true;
+  const render::Plan plan = plan_recording(subject.prepared, asked, asked.techniques);
+  if ((plan.techniques & BOTH) != BOTH) return true;  // nothing in the scene can be connected
+  render::StageRecorder recorder(device, subject.prepared, plan, plan.width * plan.height);
+  const reference::Settings wanted = check::reference_settings(plan);
+  const check::Subject same{subject.prepared, subject.world, subject.camera, plan, wanted};
   std::vector<check::Tally> sorting, connections;
   const auto add = [](std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
     for (size_t i = 0; i < more.size(); ++i) i < all.size() ? all[i].add(more[i]) : all.push_back(more[i]);
@@ -100,7 +96,7 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
                                    [](const check::Tally& tally) { return tally.name() == check::WEIGHTS; });
     return line == connections.end() ? 0 : line->items();
   };
-  const uint32_t first = subject.settings.first_sample;
+  const uint32_t first = subject.plan.first_sample;
   const auto is_enough = [&](uint32_t done) {
     return weights == 0 ? done == std::size(CHECKED_ITERATIONS) : done > 0 && compared() >= weights;
   };
@@ -120,36 +116,25 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   return is_passed;
 }
 
-/// Blended surfaces: rays decide by their bits whether they meet one, which the reference's own rays do not
-/// share.
-bool has_blended_surfaces(const scene::Scene& scene) {
-  return std::any_of(scene.triangles.begin(), scene.triangles.end(),
-                     [&](const interface::Triangle& triangle) {
-                       return (scene.materials[triangle.material].flags & MATERIAL_ALPHA_BLEND) != 0;
-                     });
-}
-
 bool check_everything(gpu::Device& device, const check::Subject& subject) {
-  const uint32_t pixels = subject.settings.width * subject.settings.height;
+  const uint32_t pixels = subject.plan.width * subject.plan.height;
   say("{}\n", check::Tally::header());
   bool is_passed = true;
-  const bool is_blended = has_blended_surfaces(subject.scene);
+  const bool is_blended = has_blended_surfaces(subject.prepared.scene);
   {
-    render::RenderSettings asked = subject.settings;
+    render::RenderSettings asked = subject.plan.asked;
     asked.techniques = WALK_TECHNIQUES;
-    render::StageRecorder recorder(device, subject.scene, subject.bvh, asked, pixels);
-    reference::Settings walking = subject.reference_settings;
-    walking.techniques = recorder.settings().techniques;
-    walking.light_paths = recorder.settings().light_paths;
-    const check::Subject same{subject.scene,  subject.bvh,         subject.world,
-                              subject.camera, recorder.settings(), walking};
-    const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.settings.first_sample);
+    const render::Plan plan = plan_recording(subject.prepared, asked);
+    render::StageRecorder recorder(device, subject.prepared, plan, pixels);
+    const reference::Settings walking = check::reference_settings(plan);
+    const check::Subject same{subject.prepared, subject.world, subject.camera, plan, walking};
+    const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.plan.first_sample);
     for (const check::Tally& tally : check_stages(same, render::Pass::Camera, camera))
       is_passed = report(tally) && is_passed;
     if (!is_blended)
       for (const check::Tally& tally : check_paths(same, camera)) is_passed = report(tally) && is_passed;
     if ((walking.techniques & TECHNIQUE_SPLAT) != 0) {
-      const render::Recording light = recorder.record(render::Pass::Light, 0, subject.settings.first_sample);
+      const render::Recording light = recorder.record(render::Pass::Light, 0, subject.plan.first_sample);
       for (const check::Tally& tally : check_stages(same, render::Pass::Light, light))
         is_passed = report(tally) && is_passed;
     }
@@ -174,7 +159,7 @@ bool check_images(gpu::Device& device, const check::Subject& subject, const Chec
   std::optional<uint32_t> other;
   if (!options.against.empty()) other = parse_technique_set(options.against);
   say("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
-      subject.settings.samples, subject.settings.width, subject.settings.height,
+      subject.plan.samples, subject.plan.width, subject.plan.height,
       other ? options.against : "the reference");
   bool is_passed = true;
   for (const check::ImageTest& test :
@@ -191,29 +176,32 @@ void run_check(CLI::App& command, CheckOptions& options) {
   // Sets of techniques have the same mean only where nothing is raised: each has a bias of its own.
   if (!options.against.empty() && command.count("--regularization") == 0)
     options.render.regularization = REGULARIZATION_NONE;
-  scene::Scene scene = scene::load(options.render.scene_file, load_options(options.render));
-  apply_scene_settings(command, scene);
-  render::RenderSettings settings = resolve_settings(options.render, scene);
+  scene::Scene loaded = scene::load(options.render.scene_file, load_options(options.render));
+  apply_scene_settings(command, loaded);
+  render::RenderSettings settings = resolve_settings(options.render, loaded);
   if (options.statistics == 0 &&
       (settings.crop.pixels() != 0 || std::isfinite(settings.largest_contribution)))
     throw Error(ExitStatus::BadUsage, "check has --crop and --clamp only with --statistics");
   if (!options.render.frames.empty())
     throw Error(ExitStatus::BadUsage, "check has no --frames; give the time of one with --at");
-  const bvh::Bvh bvh = bvh::build_for_scene(scene);
-  const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
-  if (!radius_warning.empty()) spdlog::warn("{}: {}", scene.path.string(), radius_warning);
+  const PreparedScene prepared = prepare(std::move(loaded));
+  const scene::Scene& scene = prepared.scene;
+  // One choice for all sets of techniques: what a render by these settings would do.
+  if (!settings.regularization) settings.regularization = make_plan(prepared, settings).regularization;
+  const render::Plan plan = make_plan(prepared, settings);
+  for (const std::string& warning : plan.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   gpu::Device device({.select = options.render.device,
                       .software_stage_times = false,
                       .memory_bytes = options.render.memory_bytes});
   say("{} on {} ({})\n", scene.path.string(), device.info().name, device.info().driver);
 
-  const reference::World world(scene, bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+  const reference::World world(prepared, settings.ndf, settings.shadowing, settings.light_sampling,
                                settings.has_energy_compensation);
   const reference::Camera camera(
       scene::make_camera(scene.cameras.at(settings.camera), settings.width, settings.height), settings.width,
       settings.height);
-  const reference::Settings wanted = check::reference_settings(settings);
-  const check::Subject subject{scene, bvh, world, camera, settings, wanted};
+  const reference::Settings wanted = check::reference_settings(plan);
+  const check::Subject subject{prepared, world, camera, plan, wanted};
   if (options.weights > 0 && has_blended_surfaces(scene))
     throw Error(ExitStatus::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));
   if (options.path.empty()) {
@@ -229,7 +217,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   }
   const PathName path = parse_path(options.path, settings);
   const uint32_t pixel = path.y * settings.width + path.x;
-  render::StageRecorder recorder(device, scene, bvh, settings, 1);
+  render::StageRecorder recorder(device, prepared, plan_recording(prepared, settings), 1);
   const render::Recording recording = recorder.record(render::Pass::Camera, pixel, path.sample);
   say("{}", describe_path(subject, pixel, path.sample, recording));
 }

@@ -40,7 +40,7 @@ void Checkpoint::try_to_write(const render::Film& film, const char* what_next) {
 }
 
 render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
-                             const render::RenderSettings& settings) {
+                             const render::CommonSettings& settings) {
   const Part part = read_part(path);
   require_same_render(path.string(), part.contents.attributes, "this render", attributes);
   if (part.ranges.size() != 1 || part.ranges.front().first != settings.first_sample)

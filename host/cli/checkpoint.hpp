@@ -43,7 +43,7 @@ class Checkpoint {
 /// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
 /// asked for
 render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
-                             const render::RenderSettings& settings);
+                             const render::CommonSettings& settings);
 
 /// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
 /// renderer's

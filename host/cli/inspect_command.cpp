@@ -11,14 +11,14 @@
 
 #include "base/error.hpp"
 #include "base/printable.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "cli/commands.hpp"
-#include "cli/merge_radius.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
+#include "reference/merge_radius.hpp"
 #include "render/device_images.hpp"
+#include "render/names.hpp"
 #include "render/stages.hpp"
 #include "scene/placement.hpp"
 
@@ -38,12 +38,13 @@ struct InspectOptions {
   uint64_t memory_bytes = 0;
 };
 
-/// The settings a plain `regulus render` of the scene would use.
-render::RenderSettings default_settings(scene::Scene& scene) {
+/// The settings a plain `regulus render` of the scene would use. What is wrong with those of the file is
+/// added to `warnings`.
+render::RenderSettings default_settings(const scene::Scene& scene, std::vector<std::string>& warnings) {
   CLI::App command;
   RenderOptions options;
   declare_render_options(command, options);
-  apply_scene_settings(command, scene);
+  std::ranges::move(apply_scene_settings(command, scene), std::back_inserter(warnings));
   return resolve_settings(options, scene);
 }
 
@@ -63,7 +64,6 @@ Json cameras_json(const scene::Scene& scene) {
 }
 
 Json materials_json(const scene::Scene& scene) {
-  constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
   std::vector<uint64_t> triangles(scene.materials.size());
   std::vector<uint64_t> copies(scene.shared_meshes.size());
   for (const Instance& copy : scene.instances) ++copies[scene::mesh_index_of(scene, copy)];
@@ -77,7 +77,7 @@ Json materials_json(const scene::Scene& scene) {
   Json materials = Json::array();
   for (size_t i = 0; i < scene.materials.size(); ++i)
     materials.push_back({{"name", scene.material_names[i]},
-                         {"class", CLASS_NAMES[scene.materials[i].material_class]},
+                         {"class", name_of(render::names::MATERIAL_CLASS, scene.materials[i].material_class)},
                          {"emissive", (scene.materials[i].flags & MATERIAL_EMISSIVE) != 0},
                          {"triangles", triangles[i]}});
   return materials;
@@ -108,11 +108,12 @@ Json lights_json(const scene::Scene& scene) {
 
 // Bytes that the scene and the film take on the device; the paths in flight come on top and depend on the
 // device.
-Json memory_json(const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings) {
+Json memory_json(const PreparedScene& prepared, const render::Plan& plan) {
+  const scene::Scene& scene = prepared.scene;
   const auto bytes = [](const auto& values) { return uint64_t{values.size()} * sizeof(values[0]); };
-  const uint64_t pixels = settings.window().pixels();
+  const uint64_t pixels = plan.window().pixels();
   Json memory = {
-      {"bvh", bytes(bvh.nodes) + bytes(bvh.triangles)},
+      {"bvh", bytes(prepared.bvh.nodes) + bytes(prepared.bvh.triangles)},
       {"geometry", bytes(scene.vertices) + bytes(scene.triangles)},
       {"instances", bytes(scene.instances) + bytes(scene.instance_blocks)},
       {"materials", bytes(scene.materials)},
@@ -139,27 +140,26 @@ Json features_json(const scene::Features& features) {
   return {{"present", present}, {"absent", absent}};
 }
 
-Json stages_json(const scene::Features& features, render::RenderSettings settings) {
-  settings.techniques = render::effective_techniques(features, settings);
+Json stages_json(const render::Plan& plan) {
   Json run = Json::array(), skipped = Json::array();
   for (const render::StageStep& step : render::STAGES)
-    (render::is_needed(step, features, settings) ? run : skipped).push_back(step.name);
+    (render::is_needed(step, plan) ? run : skipped).push_back(step.name);
   return {{"run", run}, {"skipped", skipped}};
 }
 
-// Whether connections and merges are regularized, and if not, why: as render::effective_regularization
-// decides.
-Json regularization_json(const scene::Features& features, const render::RenderSettings& settings) {
-  const auto answer = [](bool is_used, const std::string& why) {
-    return Json{{"used", is_used}, {"why", why}};
-  };
-  if (settings.regularization == REGULARIZATION_NONE) return answer(false, "the settings ask for none");
-  if (render::effective_regularization(features, settings) != REGULARIZATION_NONE)
-    return answer(true, fmt::format("tau {:g}", settings.tau));
-  if (std::isinf(settings.tau)) return answer(false, "dropped: tau is infinite");
-  const float sharpest = std::min(features.least_reflection_alpha, features.least_refraction_alpha);
-  if (std::isinf(sharpest)) return answer(false, "dropped: no surface has a microfacet lobe");
-  return answer(false, fmt::format("dropped: no lobe is sharper than tau {:g} allows", settings.tau));
+Json dropped_json(const render::Plan& plan) {
+  Json dropped = Json::array();
+  for (const render::Dropped& entry : plan.dropped)
+    dropped.push_back({{"what", entry.what}, {"why", entry.why}});
+  return dropped;
+}
+
+// Whether connections and merges are regularized, and if not, why.
+Json regularization_json(const render::Plan& plan) {
+  if (plan.regularization != REGULARIZATION_NONE)
+    return {{"used", true}, {"why", fmt::format("tau {:g}", plan.tau)}};
+  const std::string* why = plan.why_dropped("regularization");
+  return {{"used", false}, {"why", why ? "dropped: " + *why : "the settings ask for none"}};
 }
 
 /// A point of the scene's frame in the file's world.
@@ -169,21 +169,22 @@ Json in_world(const scene::Scene& scene, const glm::vec3& point) {
 }
 
 Json inspect(const InspectOptions& options) {
-  scene::Scene scene = scene::load(options.scene_file, {.scene = options.scene_index,
-                                                        .allow_external = options.allow_external,
-                                                        .is_strict = options.is_strict,
-                                                        .variant = options.variant,
-                                                        .memory_bytes = options.memory_bytes,
-                                                        .animation = options.animation,
-                                                        .time = options.time});
-  render::RenderSettings settings = default_settings(scene);
-  const bvh::Bvh bvh = bvh::build_for_scene(scene);
-  const std::string radius_warning = choose_merge_radius(scene, bvh, settings);
-  if (!radius_warning.empty()) scene.warnings.push_back(radius_warning);
-  const scene::Features features = scene::find_features(scene);
+  const PreparedScene prepared =
+      prepare(scene::load(options.scene_file, {.scene = options.scene_index,
+                                               .allow_external = options.allow_external,
+                                               .is_strict = options.is_strict,
+                                               .variant = options.variant,
+                                               .memory_bytes = options.memory_bytes,
+                                               .animation = options.animation,
+                                               .time = options.time}));
+  const scene::Scene& scene = prepared.scene;
+  std::vector<std::string> warnings = scene.warnings;
+  const render::RenderSettings settings = default_settings(scene, warnings);
+  const render::Plan plan = make_plan(prepared, settings);
+  const reference::MergeRadius radius = choose_merge_radius(prepared, settings, &warnings);
   return {{"file", scene.path.string()},
           {"hash", fmt::format("{:016x}", scene.hash)},
-          {"size", {settings.width, settings.height}},
+          {"size", {plan.width, plan.height}},
           {"bounds", {in_world(scene, scene.bounds_min), in_world(scene, scene.bounds_max)}},
           {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
           {"cameras", cameras_json(scene)},
@@ -201,18 +202,19 @@ Json inspect(const InspectOptions& options) {
           {"pose", pose_json(scene)},
           {"images", scene.inventory.images},
           {"textures", scene.textures.size()},
-          {"bytes", memory_json(scene, bvh, settings)},
+          {"bytes", memory_json(prepared, plan)},
           {"extensions",
            {{"read", scene.inventory.extensions_read}, {"ignored", scene.inventory.extensions_ignored}}},
           {"settings", scene.settings},
-          {"features", features_json(features)},
-          {"stages", stages_json(features, settings)},
-          {"regularization", regularization_json(features, settings)},
+          {"features", features_json(prepared.features)},
+          {"stages", stages_json(plan)},
+          {"regularization", regularization_json(plan)},
           {"merge_radius",
-           {{"metres", settings.merge_radius},
-            {"rule", settings.merge_radius_rule},
-            {"used", (settings.techniques & TECHNIQUE_MERGE) != 0}}},
-          {"warnings", scene.warnings}};
+           {{"metres", radius.metres},
+            {"rule", radius.rule},
+            {"used", (plan.techniques & TECHNIQUE_MERGE) != 0}}},
+          {"dropped", dropped_json(plan)},
+          {"warnings", warnings}};
 }
 
 // The same with strings that a terminal may be shown.
@@ -274,6 +276,9 @@ void print(const Json& scene) {
   say("  skipped        {}\n", listed(scene["stages"]["skipped"]));
   say("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
       scene["regularization"]["why"].get<std::string>());
+  for (const Json& dropped : scene["dropped"])
+    if (dropped["what"] != "regularization")
+      say("dropped          {}: {}\n", dropped["what"].get<std::string>(), dropped["why"].get<std::string>());
   say("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
       scene["merge_radius"]["rule"].get<std::string>(),
       scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");

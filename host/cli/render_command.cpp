@@ -12,14 +12,12 @@
 #include <set>
 
 #include "base/error.hpp"
-#include "bvh/scene_bvh.hpp"
 #include "check/reference_render.hpp"
 #include "cli/checkpoint.hpp"
 #include "cli/commands.hpp"
 #include "cli/film_memory.hpp"
 #include "cli/frames.hpp"
 #include "cli/interrupt.hpp"
-#include "cli/merge_radius.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_options.hpp"
 #include "cli/render_outputs.hpp"
@@ -76,8 +74,7 @@ void write_others(OutputWriter& writer, const RenderOutputs& outputs, const Rend
   if (!outputs.stats.empty()) writer.write(outputs.stats, [&] { return statistics.dump(2) + "\n"; });
 }
 
-void report(const render::Renderer& renderer, const render::RenderSettings& settings,
-            const RenderOutputs& outputs) {
+void report(const render::Renderer& renderer, const render::Plan& plan, const RenderOutputs& outputs) {
   const render::RenderStatistics& statistics = renderer.statistics();
   if (statistics.non_finite > 0)
     spdlog::error("{} samples were not finite and were dropped: a bug, please report the scene",
@@ -91,7 +88,7 @@ void report(const render::Renderer& renderer, const render::RenderSettings& sett
     spdlog::warn(
         "paths were inside of more than {} solids at once: {} times the one that decides least was forgotten",
         interface::MEDIA_SET_SIZE, statistics.forgotten_media);
-  const render::Window window = settings.window();
+  const render::Window window = plan.window();
   const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)",
                outputs.picture.string(), window.width, window.height, statistics.paths / window.pixels(),
@@ -105,15 +102,14 @@ void require_complete(bool is_complete, const RenderOutputs& outputs) {
                 fmt::format("interrupted; {} holds what was rendered", outputs.picture.string()));
 }
 
-image::Placement placement_of(const render::RenderSettings& settings) {
-  const render::Window window = settings.window();
-  return {window.x, window.y, settings.width, settings.height};
+image::Placement placement_of(const render::Plan& plan) {
+  const render::Window window = plan.window();
+  return {window.x, window.y, plan.width, plan.height};
 }
 
 // --backend reference. Its statistics are those that need no device.
 void render_by_reference(const RenderOptions& options, const RenderOutputs& outputs,
-                         const scene::Scene& scene, const bvh::Bvh& bvh,
-                         const render::RenderSettings& settings) {
+                         const PreparedScene& prepared, const render::Plan& plan) {
   if (options.time_limit || options.noise_target)
     throw Error(ExitStatus::BadUsage,
                 "--time and --noise need --backend vulkan; give --spp to the reference");
@@ -126,31 +122,31 @@ void render_by_reference(const RenderOptions& options, const RenderOutputs& outp
   check::ReferenceRender rendered;
   {
     ProgressLine progress(!options.is_quiet);
-    rendered = check::render_with_reference(scene, bvh, settings, [&](uint64_t done, uint64_t total) {
+    rendered = check::render_with_reference(prepared, plan, [&](uint64_t done, uint64_t total) {
       progress.update(done, total);
       return !is_interrupted();
     });
   }
   const double seconds = stopwatch.lap();
-  image::Attributes attributes = scene_attributes(scene, settings);
+  image::Attributes attributes = scene_attributes(prepared.scene, plan);
   attributes["regulus:device"] = "scalar reference";
   attributes["regulus:samples_done"] = std::to_string(rendered.samples);
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
   OutputWriter writer;
   writer.write(outputs.picture, [&] {
     return image::encode_picture(outputs.format, rendered.image, options.exposure_ev, attributes,
-                                 rendered.channels, placement_of(settings), outputs.picture.string());
+                                 rendered.channels, placement_of(plan), outputs.picture.string());
   });
   write_others(writer, outputs, options, rendered.image, nlohmann::json(attributes));
   writer.throw_failures();
   spdlog::info("{}: {}x{}, {} samples per pixel in {:.2f} s by the reference", outputs.picture.string(),
                rendered.image.width, rendered.image.height, rendered.samples, seconds);
-  require_complete(rendered.samples == settings.samples, outputs);
+  require_complete(rendered.samples == plan.samples, outputs);
 }
 
 // A film larger than a buffer. What needs the whole film at a time is for crops.
 void render_by_bands(const RenderOptions& options, const RenderOutputs& outputs, gpu::Device& device,
-                     const scene::Scene& scene, const bvh::Bvh& bvh, const render::RenderSettings& settings,
+                     const PreparedScene& prepared, const render::Plan& plan,
                      const std::vector<render::Window>& bands) {
   if (options.time_limit || options.noise_target || !options.sample_range.empty() ||
       !options.checkpoint.empty() || !options.strategy_images.empty())
@@ -158,18 +154,18 @@ void render_by_bands(const RenderOptions& options, const RenderOutputs& outputs,
         ExitStatus::BadUsage,
         fmt::format("--time, --noise, --samples, --checkpoint and --strategy-images need the whole film in a "
                     "buffer of the device, which holds {} of {} rows; render parts with --crop",
-                    bands.front().height, settings.window().height));
+                    bands.front().height, plan.window().height));
   catch_interrupts();
   TiledRender rendered;
   {
     ProgressLine progress(!options.is_quiet);
-    rendered = render_in_bands(device, scene, bvh, settings, bands, [&](uint64_t done, uint64_t total) {
+    rendered = render_in_bands(device, prepared, plan, bands, [&](uint64_t done, uint64_t total) {
       progress.update(done, total);
       return !is_interrupted();
     });
   }
-  const uint64_t pixels = settings.window().pixels();
-  image::Attributes attributes = scene_attributes(scene, settings);
+  const uint64_t pixels = plan.window().pixels();
+  image::Attributes attributes = scene_attributes(prepared.scene, plan);
   attributes["regulus:device"] = device.info().name;
   attributes["regulus:driver"] = device.info().driver;
   attributes["regulus:samples_done"] = std::to_string(rendered.paths / pixels);
@@ -178,7 +174,7 @@ void render_by_bands(const RenderOptions& options, const RenderOutputs& outputs,
   OutputWriter writer;
   writer.write(outputs.picture, [&] {
     return image::encode_picture(outputs.format, rendered.image, options.exposure_ev, attributes,
-                                 rendered.channels, placement_of(settings), outputs.picture.string());
+                                 rendered.channels, placement_of(plan), outputs.picture.string());
   });
   write_others(writer, outputs, options, rendered.image, nlohmann::json(attributes));
   writer.throw_failures();
@@ -190,7 +186,7 @@ void render_by_bands(const RenderOptions& options, const RenderOutputs& outputs,
         rendered.non_finite, rendered.overruns);
   spdlog::info("{}: {}x{} in {} bands, {:.2f} s", outputs.picture.string(), rendered.image.width,
                rendered.image.height, bands.size(), rendered.render_seconds);
-  require_complete(rendered.paths == pixels * settings.samples, outputs);
+  require_complete(rendered.paths == pixels * plan.samples, outputs);
 }
 
 // A word more than what was asked for, which is the picture.
@@ -219,32 +215,32 @@ void require_new_checkpoint(const RenderOptions& options) {
 
 // The film that --resume goes on from; none if there is no checkpoint yet.
 std::optional<render::Film> find_checkpoint(const RenderOptions& options, const scene::Scene& scene,
-                                            const render::RenderSettings& settings) {
+                                            const render::Plan& plan) {
   if (!has_checkpoint(options)) return std::nullopt;
   require_new_checkpoint(options);
-  return read_checkpoint(options.checkpoint, scene_attributes(scene, settings), settings);
+  return read_checkpoint(options.checkpoint, scene_attributes(scene, plan), plan);
 }
 
 // The picture, with its AOVs, and with its sums if it is a range of samples. A device that is lost makes no
 // AOVs of surfaces any more.
 image::Image write_image(OutputWriter& writer, const RenderOutputs& outputs, const RenderOptions& options,
-                         const scene::Scene& scene, const render::RenderSettings& settings,
+                         const scene::Scene& scene, const render::Plan& plan,
                          const image::Attributes& attributes, render::Renderer& renderer,
                          bool is_device_lost) {
   const render::Film& film = renderer.film();
   image::Channels channels;
-  if ((settings.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
-    render::add_surface_channels(renderer.surface_aovs(), settings.aovs, scene.origin, channels);
-  if ((settings.aovs & render::AOV_SIGMA) != 0 && !is_device_lost)
+  if ((plan.aovs & render::SURFACE_AOVS) != 0 && !is_device_lost)
+    render::add_surface_channels(renderer.surface_aovs(), plan.aovs, scene.origin, channels);
+  if ((plan.aovs & render::AOV_SIGMA) != 0 && !is_device_lost)
     render::add_sigma_channels(renderer.surface_footprints(), channels);
-  render::add_film_channels(film, settings.aovs, channels);
+  render::add_film_channels(film, plan.aovs, channels);
   image::Image image = resolve(film);
   writer.write(outputs.picture, [&] {
     if (!options.sample_range.empty())
-      return encode_part(outputs.picture, film, {{settings.first_sample, settings.samples}}, attributes,
-                         channels, placement_of(settings));
+      return encode_part(outputs.picture, film, {{plan.first_sample, plan.samples}}, attributes, channels,
+                         placement_of(plan));
     return image::encode_picture(outputs.format, image, options.exposure_ev, attributes, channels,
-                                 placement_of(settings), outputs.picture.string());
+                                 placement_of(plan), outputs.picture.string());
   });
   return image;
 }
@@ -257,9 +253,8 @@ struct Session {
   Stopwatch stopwatch;
 };
 
-void say_warnings(const scene::Scene& scene, Session& session) {
-  for (const std::string& warning : scene.warnings)
-    if (session.said.insert(warning).second) spdlog::warn("{}: {}", scene.path.string(), warning);
+void say_warning(const scene::Scene& scene, const std::string& warning, Session& session) {
+  if (session.said.insert(warning).second) spdlog::warn("{}: {}", scene.path.string(), warning);
 }
 
 gpu::Device& open_device(const RenderOptions& options, Session& session) {
@@ -277,43 +272,44 @@ gpu::Device& open_device(const RenderOptions& options, Session& session) {
   return *session.device;
 }
 
-// Renders a scene that has just been loaded or posed.
-void render_picture(const RenderOptions& options, const RenderOutputs& outputs, scene::Scene& scene,
-                    Session& session) {
-  render::RenderSettings settings = resolve_settings(options, scene);
-  check_outputs(outputs, options, settings, session.guard);
-  const bool holds_sums = !options.sample_range.empty() || !options.checkpoint.empty();
-  require_film_memory(settings, holds_sums, options.backend != "reference", options.memory_bytes);
-  LoadTimes times;
-  times.load_seconds = session.stopwatch.lap();
-  const bvh::Bvh bvh = bvh::build_for_scene(scene);
-  const std::string radius_warning = choose_needed_merge_radius(scene, bvh, settings);
-  if (!radius_warning.empty()) scene.warnings.push_back(radius_warning);
-  const std::optional<render::Film> earlier = find_checkpoint(options, scene, settings);
-  say_warnings(scene, session);
+// Whether sums are written besides the picture.
+bool holds_sums(const RenderOptions& options) {
+  return !options.sample_range.empty() || !options.checkpoint.empty();
+}
+
+void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
+                     const PreparedScene& prepared, const render::RenderSettings& settings, LoadTimes times,
+                     Session& session) {
+  const scene::Scene& scene = prepared.scene;
+  const render::Plan plan = make_plan(prepared, settings);
+  const std::optional<render::Film> earlier = find_checkpoint(options, scene, plan);
+  for (const std::string& warning : scene.warnings) say_warning(scene, warning, session);
+  for (const std::string& warning : plan.warnings) say_warning(scene, warning, session);
+  for (const render::Dropped& dropped : plan.dropped)
+    spdlog::info("without {}: {}", dropped.what, dropped.why);
   times.bvh_seconds = session.stopwatch.lap();
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene::placed_triangle_count(scene), scene.lights.size(), times.load_seconds,
                times.bvh_seconds);
 
-  if (options.backend == "reference") return render_by_reference(options, outputs, scene, bvh, settings);
+  if (options.backend == "reference") return render_by_reference(options, outputs, prepared, plan);
 
   gpu::Device& device = open_device(options, session);
-  const std::vector<render::Window> bands = film_bands(device, settings, options.band_pixels);
-  if (bands.size() > 1) return render_by_bands(options, outputs, device, scene, bvh, settings, bands);
-  require_film_memory(settings, holds_sums, false, options.memory_bytes);
-  render::Renderer renderer(device, scene, bvh, settings);
+  const std::vector<render::Window> bands = film_bands(device, plan, options.band_pixels);
+  if (bands.size() > 1) return render_by_bands(options, outputs, device, prepared, plan, bands);
+  require_film_memory(settings, holds_sums(options), false, options.memory_bytes);
+  render::Renderer renderer(device, prepared, plan);
   times.pipeline_seconds = device.pipeline_seconds();
   if (earlier) resume(renderer, options.checkpoint, *earlier);
   Checkpoint checkpoint(options.checkpoint, options.checkpoint_seconds, [&](const render::Film& film) {
     const std::string bytes =
-        encode_part(options.checkpoint, film, {{settings.first_sample, settings.samples}},
-                    image_attributes(device, scene, settings, renderer), {}, placement_of(settings));
+        encode_part(options.checkpoint, film, {{plan.first_sample, plan.samples}},
+                    image_attributes(device, scene, plan, renderer), {}, placement_of(plan));
     image::write_file_atomically(options.checkpoint, bytes);
   });
 
   catch_interrupts();
-  const uint64_t pixels = settings.window().pixels();
+  const uint64_t pixels = plan.window().pixels();
   StopRule stop(options, pixels);
   std::optional<Error> failure;
   try {
@@ -333,19 +329,19 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
     if (renderer.film().paths == 0) throw;
   }
   checkpoint.finish(renderer.film());
-  const bool is_finished = stop.was_reached() || renderer.film().paths >= pixels * settings.samples;
+  const bool is_finished = stop.was_reached() || renderer.film().paths >= pixels * plan.samples;
   stop.is_reached(renderer.film(), renderer.film().paths);  // says the noise of what is written
-  nlohmann::json statistics = render_statistics(device, scene, settings, renderer, times);
+  nlohmann::json statistics = render_statistics(device, prepared, plan, renderer, times);
   if (options.noise_target) statistics["noise"] = stop.noise();
   OutputWriter writer;
   const image::Image image =
-      write_image(writer, outputs, options, scene, settings,
-                  image_attributes(device, scene, settings, renderer), renderer, failure.has_value());
+      write_image(writer, outputs, options, scene, plan, image_attributes(device, scene, plan, renderer),
+                  renderer, failure.has_value());
   write_others(writer, outputs, options, image, statistics);
   if (!options.strategy_images.empty() && !failure)
-    write_strategy_images(writer, options.strategy_images, renderer, settings.max_depth,
-                          image_attributes(device, scene, settings, renderer), options.exposure_ev);
-  report(renderer, settings, outputs);
+    write_strategy_images(writer, options.strategy_images, renderer, plan.max_depth,
+                          image_attributes(device, scene, plan, renderer), options.exposure_ev);
+  report(renderer, plan, outputs);
   if (options.noise_target && !options.is_quiet) print_noise(stop.noise(), *options.noise_target);
   if (failure && writer.has_failed())
     spdlog::error("{}", failure->what());
@@ -354,6 +350,19 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
                                                outputs.picture.string()));
   writer.throw_failures();
   require_complete(is_finished, outputs);
+}
+
+// Renders a scene that has just been loaded or posed; afterwards it can be posed again.
+void render_picture(const RenderOptions& options, const RenderOutputs& outputs, scene::Scene& scene,
+                    Session& session) {
+  const render::RenderSettings settings = resolve_settings(options, scene);
+  check_outputs(outputs, options, settings, session.guard);
+  require_film_memory(settings, holds_sums(options), options.backend != "reference", options.memory_bytes);
+  LoadTimes times;
+  times.load_seconds = session.stopwatch.lap();
+  PreparedScene prepared = prepare(std::move(scene));
+  render_prepared(options, outputs, prepared, settings, times, session);
+  scene = std::move(prepared.scene);
 }
 
 // A picture to render: its frame, and the options and outputs under its names.
@@ -389,7 +398,7 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   const bool has_own_time = options.time.has_value();
   scene::SceneFile file(options.scene_file, load_options(options));
   scene::Scene scene = file.load();
-  apply_scene_settings(command, scene);
+  std::ranges::move(apply_scene_settings(command, scene), std::back_inserter(scene.warnings));
   if (!has_own_time) frames = parse_frames(options);  // those of the scene
   if (!has_own_time && !frames.empty()) file.pose(scene, frames.front().seconds);
   // Once more: with the scene's settings, and its frames.

@@ -22,47 +22,11 @@ namespace regulus::cli {
 namespace {
 
 using namespace interface;
+namespace names = render::names;
 
 // Film sizes beyond this are refused: 2^31 pixels would overflow path indices.
 constexpr uint32_t MAX_SIDE = 32768;
 constexpr uint32_t MAX_SAMPLES = 1u << 24;
-
-const std::map<std::string, uint32_t> NDF_NAMES = {
-    {"ggx", NDF_GGX}, {"beckmann", NDF_BECKMANN}, {"cosine", NDF_COSINE}};
-const std::map<std::string, uint32_t> SHADOWING_NAMES = {{"smith", SHADOWING_SMITH},
-                                                         {"smith-uncorrelated", SHADOWING_SMITH_UNCORRELATED},
-                                                         {"v-cavity", SHADOWING_V_CAVITY}};
-const std::map<std::string, uint32_t> FILTER_NAMES = {
-    {"box", FILTER_BOX}, {"gaussian", FILTER_GAUSSIAN}, {"blackman-harris", FILTER_BLACKMAN_HARRIS}};
-const std::map<std::string, uint32_t> SAMPLER_NAMES = {{"sobol", SAMPLER_SOBOL}, {"hash", SAMPLER_HASH}};
-const std::map<std::string, uint32_t> LIGHT_SAMPLING_NAMES = {{"auto", LIGHT_SAMPLING_AUTO},
-                                                              {"bvh", LIGHT_SAMPLING_BVH},
-                                                              {"power", LIGHT_SAMPLING_POWER},
-                                                              {"uniform", LIGHT_SAMPLING_UNIFORM}};
-const std::map<std::string, uint32_t> REGULARIZATION_NAMES = {
-    {"none", REGULARIZATION_NONE},
-    {"roughness", REGULARIZATION_ROUGHNESS},
-    {"virtual-merge", REGULARIZATION_ROUGHNESS | REGULARIZATION_VIRTUAL_MERGE},
-    {"both", REGULARIZATION_ROUGHNESS | REGULARIZATION_BOTH}};
-const std::map<std::string, uint32_t> SAMPLER_QUALITY_NAMES = {
-    {"off", SAMPLER_QUALITY_OFF}, {"on", SAMPLER_QUALITY_ON}, {"smooth", SAMPLER_QUALITY_SMOOTH}};
-const std::map<std::string, uint32_t> DIFFUSION_NAMES = {{"off", 0}, {"on", REGULARIZATION_DIFFUSION}};
-const std::map<std::string, uint32_t> BOUND_NAMES = {
-    {"peak", BOUND_PEAK}, {"smith", BOUND_SMITH}, {"directional", BOUND_DIRECTIONAL}};
-const std::map<std::string, uint32_t> MIS_NAMES = {
-    {"blended", MIS_BLENDED}, {"corrected", MIS_CORRECTED}, {"unmodified", MIS_UNMODIFIED}};
-const std::map<std::string, uint32_t> SCHEDULE_NAMES = {{"fixed", 0},
-                                                        {"consistent", REGULARIZATION_CONSISTENT}};
-const std::map<std::string, uint32_t> TECHNIQUE_NAMES = {{"hit", TECHNIQUE_HIT},
-                                                         {"nee", TECHNIQUE_NEE},
-                                                         {"splat", TECHNIQUE_SPLAT},
-                                                         {"connect", TECHNIQUE_CONNECT},
-                                                         {"merge", TECHNIQUE_MERGE}};
-const std::map<std::string, std::string> INTEGRATORS = {{"pt", "hit,nee"},
-                                                        {"lt", "splat"},
-                                                        {"bpt", "hit,nee,splat,connect"},
-                                                        {"bpm", "hit,nee,merge"},
-                                                        {"vcm", "hit,nee,splat,connect,merge"}};
 
 // Options that say where things go or come from: not a scene's business.
 const std::set<std::string> COMMAND_LINE_ONLY = {"output",
@@ -164,11 +128,11 @@ uint32_t parse_techniques(const std::string& list) {
   uint32_t techniques = 0;
   std::istringstream stream(list);
   for (std::string name; std::getline(stream, name, ',');) {
-    const auto found = TECHNIQUE_NAMES.find(name);
-    if (found == TECHNIQUE_NAMES.end())
+    const render::Name* found = find_name(names::TECHNIQUES, name);
+    if (found == nullptr)
       throw Error(ExitStatus::BadUsage,
-                  fmt::format("--techniques {}: {}", list, unknown_name(name, names_of(TECHNIQUE_NAMES))));
-    techniques |= found->second;
+                  fmt::format("--techniques {}: {}", list, unknown_name(name, names_of(names::TECHNIQUES))));
+    techniques |= found->value;
   }
   if (techniques == 0) throw Error(ExitStatus::BadUsage, "--techniques: the list is empty");
   return techniques;
@@ -186,8 +150,7 @@ uint32_t parse_connections(const std::string& text) {
               fmt::format("--connections {}: expected paired or cache:M with M from 1 to 1024", text));
 }
 
-// In metres, or minus a share of the extent seen.
-float parse_merge_radius(const std::string& text) {
+void parse_merge_radius(const std::string& text, render::RenderSettings& settings) {
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   const std::string_view unit(end, static_cast<size_t>(text.data() + text.size() - end));
@@ -196,18 +159,13 @@ float parse_merge_radius(const std::string& text) {
                 fmt::format("--merge-radius {}: expected metres, such as 0.01, or percent of the extent "
                             "seen, such as 0.3%",
                             text));
-  return unit == "%" ? -0.01f * value : value;
+  if (unit == "%")
+    settings.merge_radius_share = 0.01f * value;
+  else
+    settings.merge_radius = value;
 }
 
 }  // namespace
-
-glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera) {
-  if (scene.resolution) return *scene.resolution;
-  const float aspect = scene.cameras[camera].aspect_ratio;
-  if (!(aspect > 0)) return {1280, 720};
-  return {1280,
-          static_cast<uint32_t>(std::clamp(std::round(1280 / aspect), 1.0f, static_cast<float>(MAX_SIDE)))};
-}
 
 render::Window parse_window(const char* option, const std::string& text, const glm::uvec2& size) {
   const std::vector<uint32_t> edges = parse_numbers(text, ',', 4);
@@ -242,7 +200,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(number_in(-100.0, 100.0));
   command
       .add_option("-i,--integrator", options.integrator, "A named set of techniques: pt, lt, bpt, bpm, vcm")
-      ->check(one_of(names_of(INTEGRATORS)));
+      ->check(one_of(names_of(names::INTEGRATORS)));
   command.add_option("--techniques", options.techniques,
                      "The techniques themselves, comma-separated: hit,nee,splat,connect,merge");
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP);
@@ -255,7 +213,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
                   fmt::format("How surfaces choose the light they sample: bvh (by what it can send there), "
                               "power, uniform, auto (bvh from {} lights on)",
                               many_lights()))
-      ->transform(choice(LIGHT_SAMPLING_NAMES))
+      ->transform(choice(names::LIGHT_SAMPLING))
       ->default_str("auto");
   command.add_option("--connections", options.connections,
                      "Light vertices a camera vertex connects to: paired (those of its own light path) or "
@@ -275,7 +233,7 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
           "How connections and merges see glossy and specular surfaces: none (as they are), roughness "
           "(with raised roughness), virtual-merge (by what they send into a small cone), both (with raised "
           "roughness, and as they are)")
-      ->transform(choice(REGULARIZATION_NAMES))
+      ->transform(choice(names::REGULARIZATION))
       ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
   command
       .add_option(
@@ -284,32 +242,32 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
       ->check(positive_or_infinite())
       ->capture_default_str();
   command.add_option("--bound", settings.bound, "How roughness follows from tau: peak, smith, directional")
-      ->transform(choice(BOUND_NAMES))
+      ->transform(choice(names::BOUND))
       ->default_str("peak");
   command
       .add_option(
           "--tau-schedule", options.tau_schedule,
           "fixed, or consistent: less roughness with every iteration, so that the image converges to the "
           "truth")
-      ->transform(choice(SCHEDULE_NAMES))
+      ->transform(choice(names::TAU_SCHEDULE))
       ->default_str("consistent");
   command
       .add_option("--diffusion", options.diffusion,
                   "on: what the camera sees directly or through sharp surfaces alone is not regularized; off")
-      ->transform(choice(DIFFUSION_NAMES))
+      ->transform(choice(names::DIFFUSION))
       ->default_str("on");
   command
       .add_option("--sampler-quality", settings.sampler_quality,
                   "on: paths that some technique samples well are not regularized; smooth: with a soft "
                   "transition; off")
-      ->transform(choice(SAMPLER_QUALITY_NAMES))
+      ->transform(choice(names::SAMPLER_QUALITY))
       ->default_str("off");
   command
       .add_option(
           "--mis", settings.mis,
           "Weights of regularized techniques: blended, corrected (by sample values), unmodified (wrong; for "
           "comparison)")
-      ->transform(choice(MIS_NAMES))
+      ->transform(choice(names::MIS))
       ->default_str("blended");
   command
       .add_option(
@@ -376,20 +334,20 @@ void declare_render_options(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--sampler", settings.sampler,
                   "Random numbers: sobol (scrambled Sobol points), hash (independent)")
-      ->transform(choice(SAMPLER_NAMES))
+      ->transform(choice(names::SAMPLER))
       ->default_str("sobol");
   command.add_option("--ndf", settings.ndf, "Microfacet distribution: ggx, beckmann, cosine")
-      ->transform(choice(NDF_NAMES))
+      ->transform(choice(names::NDF))
       ->default_str("ggx");
   command
       .add_option("--shadowing", settings.shadowing,
                   "Masking-shadowing: smith (height-correlated), smith-uncorrelated, v-cavity")
-      ->transform(choice(SHADOWING_NAMES))
+      ->transform(choice(names::SHADOWING))
       ->default_str("smith");
   command.add_flag("--energy-compensation", settings.has_energy_compensation,
                    "Rough metals, plastics and glass give back what single scattering between facets loses");
   command.add_option("--filter", settings.filter, "Pixel filter: blackman-harris, gaussian, box")
-      ->transform(choice(FILTER_NAMES))
+      ->transform(choice(names::FILTER))
       ->default_str("blackman-harris");
   command
       .add_option("--filter-radius", options.filter_radius,
@@ -437,11 +395,12 @@ scene::LoadOptions load_options(const RenderOptions& options) {
           .time = options.time};
 }
 
-void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
+std::vector<std::string> apply_scene_settings(CLI::App& command, const scene::Scene& scene) {
+  std::vector<std::string> warnings;
   for (const auto& [name, value] : scene.settings) {
     CLI::Option* option = command.get_option_no_throw("--" + name);
     if (option == nullptr || COMMAND_LINE_ONLY.contains(name)) {
-      scene.warnings.push_back(
+      warnings.push_back(
           printable(fmt::format("extras.regulus: \"{}\" is not a setting of a scene; ignored{}", name,
                                 suggest(name, scene_setting_names(command)))));
     } else if (option->count() == 0) {
@@ -454,6 +413,7 @@ void apply_scene_settings(CLI::App& command, scene::Scene& scene) {
       }
     }
   }
+  return warnings;
 }
 
 void require_no_outputs(const RenderOptions& options, const std::string& who) {
@@ -475,8 +435,8 @@ void lift_sample_limit(const CLI::App& command, RenderOptions& options) {
 }
 
 uint32_t parse_technique_set(const std::string& text) {
-  const auto integrator = INTEGRATORS.find(text);
-  return parse_techniques(integrator == INTEGRATORS.end() ? text : integrator->second);
+  const render::Name* integrator = find_name(names::INTEGRATORS, text);
+  return integrator != nullptr ? integrator->value : parse_techniques(text);
 }
 
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene) {
@@ -486,23 +446,18 @@ render::RenderSettings resolve_settings(const RenderOptions& options, const scen
   settings.keeps_doublings = options.noise_target.has_value();
   settings.camera = options.camera.empty() ? 0 : find_camera(options.camera, scene);
   const glm::uvec2 size =
-      options.size.empty() ? default_size(scene, settings.camera) : parse_size(options.size);
+      options.size.empty() ? scene::default_film_size(scene, settings.camera) : parse_size(options.size);
   settings.width = size.x;
   settings.height = size.y;
   if (!options.crop.empty()) settings.crop = parse_window("--crop", options.crop, size);
   if (!options.sample_range.empty()) parse_sample_range(options.sample_range, settings);
   settings.aovs = render::parse_aovs(options.aovs);
-  settings.techniques =
-      parse_techniques(options.techniques.empty() ? INTEGRATORS.at(options.integrator) : options.techniques);
-  // Measured: merging finds what regularization would, and gains nothing from it (README.md).
-  const bool has_merges = (settings.techniques & TECHNIQUE_MERGE) != 0;
-  settings.regularization =
-      options.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
-  if (settings.regularization != REGULARIZATION_NONE)
-    settings.regularization |= options.tau_schedule | options.diffusion;
+  settings.techniques = options.techniques.empty() ? find_name(names::INTEGRATORS, options.integrator)->value
+                                                   : parse_techniques(options.techniques);
+  settings.regularization = options.regularization;
+  settings.regularization_modes = options.tau_schedule | options.diffusion;
   settings.cache_connections = parse_connections(options.connections);
-  settings.merge_radius = options.merge_radius.empty() ? 0 : parse_merge_radius(options.merge_radius);
-  if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
+  if (!options.merge_radius.empty()) parse_merge_radius(options.merge_radius, settings);
   settings.filter_radius = options.filter_radius.value_or(settings.filter == FILTER_BOX ? 0.5f : 1.5f);
   settings.filter_sigma = settings.filter_radius / 3;
   return settings;

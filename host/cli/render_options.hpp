@@ -79,9 +79,9 @@ void require_no_outputs(const RenderOptions& options, const std::string& who);
 void lift_sample_limit(const CLI::App& command, RenderOptions& options);
 
 /// Takes the settings of scenes[].extras.regulus for every option the command line did not give.
-/// Unknown names and names that make no sense in a scene become warnings of the scene.
+/// Returns a warning for each unknown name and each that makes no sense in a scene.
 /// @throws regulus::Error (BadFile) for a value the option does not take
-void apply_scene_settings(CLI::App& command, scene::Scene& scene);
+std::vector<std::string> apply_scene_settings(CLI::App& command, const scene::Scene& scene);
 
 /// A rectangle x0,y0,x1,y1 of a film of `size` pixels, from the top left, x1 and y1 excluded.
 /// @param option what the error calls it
@@ -92,11 +92,7 @@ render::Window parse_window(const char* option, const std::string& text, const g
 /// regulus::Error (BadUsage).
 uint32_t parse_technique_set(const std::string& text);
 
-/// Film size where none is given: the scene's resolution, else 1280 wide at the camera's aspect.
-glm::uvec2 default_size(const scene::Scene& scene, uint32_t camera);
-
-/// The settings of the render once the scene is known: size, camera, techniques resolved. A merge radius is
-/// the one asked for until cli::choose_merge_radius: metres, or minus a share of the extent seen, or 0.
+/// What the render is asked to do once the scene is known: size, camera, techniques.
 /// @throws regulus::Error (BadUsage) naming the option
 render::RenderSettings resolve_settings(const RenderOptions& options, const scene::Scene& scene);
 

@@ -1,12 +1,14 @@
 #include "cli/stats.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <cmath>
 
 #include "base/process_usage.hpp"
 #include "base/version.hpp"
 #include "render/aov.hpp"
+#include "render/names.hpp"
 #include "scene/placement.hpp"
 
 namespace regulus::cli {
@@ -14,76 +16,87 @@ namespace regulus::cli {
 namespace {
 
 using namespace interface;
-
-constexpr std::pair<const char*, uint32_t> TECHNIQUE_NAMES[] = {{"hit", TECHNIQUE_HIT},
-                                                                {"nee", TECHNIQUE_NEE},
-                                                                {"splat", TECHNIQUE_SPLAT},
-                                                                {"connect", TECHNIQUE_CONNECT},
-                                                                {"merge", TECHNIQUE_MERGE}};
-constexpr const char* CLASS_NAMES[MATERIAL_CLASS_COUNT] = {"diffuse", "opaque", "transmissive"};
-constexpr const char* BOUND_NAMES[] = {"peak", "smith", "directional"};
-constexpr const char* MIS_NAMES[] = {"blended", "corrected", "unmodified"};
-constexpr const char* SAMPLER_QUALITY_NAMES[] = {"off", "on", "smooth"};
-constexpr const char* NDF_NAMES[] = {"ggx", "beckmann", "cosine"};
-constexpr const char* SHADOWING_NAMES[] = {"smith", "smith-uncorrelated", "v-cavity"};
-constexpr const char* LIGHT_SAMPLING_NAMES[] = {"power", "bvh", "uniform", "auto"};
-constexpr const char* SAMPLER_NAMES[] = {"sobol", "hash"};
-constexpr const char* FILTER_NAMES[] = {"box", "gaussian", "blackman-harris"};
+namespace names = render::names;
 
 const char* regularization_name(uint32_t regularization) {
-  if ((regularization & REGULARIZATION_VIRTUAL_MERGE) != 0) return "virtual-merge";
-  if ((regularization & REGULARIZATION_BOTH) != 0) return "both";
-  return (regularization & REGULARIZATION_ROUGHNESS) != 0 ? "roughness" : "none";
+  return name_of(names::REGULARIZATION, regularization & ~names::REGULARIZATION_MODES);
 }
 
-nlohmann::json settings_json(const render::RenderSettings& settings) {
-  nlohmann::json techniques = nlohmann::json::array();
-  for (const auto& [name, bit] : TECHNIQUE_NAMES)
-    if (settings.techniques & bit) techniques.push_back(name);
-  const render::Window window = settings.window();
-  return {
-      {"width", settings.width},
-      {"height", settings.height},
-      {"crop", {window.x, window.y, window.x + window.width, window.y + window.height}},
-      {"aov", render::aov_names(settings.aovs)},
-      {"camera", settings.camera},
-      {"first_sample", settings.first_sample},
-      {"samples", settings.samples},
-      {"max_depth", settings.max_depth},
-      {"seed", settings.seed},
-      {"sampler", SAMPLER_NAMES[settings.sampler]},
-      {"techniques", techniques},
-      {"light_sampling", LIGHT_SAMPLING_NAMES[settings.light_sampling]},
-      {"light_paths", settings.light_paths},
-      {"cache_connections", settings.cache_connections},
-      {"merge_radius", settings.merge_radius},
-      {"merge_radius_rule", settings.merge_radius_rule},
-      {"merge_reduction", settings.merge_reduction},
-      {"regularization", regularization_name(settings.regularization)},
-      {"diffusion", (settings.regularization & REGULARIZATION_DIFFUSION) != 0},
-      {"sampler_quality", SAMPLER_QUALITY_NAMES[settings.sampler_quality]},
-      {"tau", settings.tau},
-      {"tau_schedule", settings.regularization & REGULARIZATION_CONSISTENT ? "consistent" : "fixed"},
-      {"bound", BOUND_NAMES[settings.bound]},
-      {"mis", MIS_NAMES[settings.mis]},
-      {"clamp", std::isfinite(settings.largest_contribution) ? nlohmann::json(settings.largest_contribution)
+nlohmann::json technique_names(uint32_t techniques) {
+  nlohmann::json result = nlohmann::json::array();
+  for (const render::Name& technique : names::TECHNIQUES)
+    if (techniques & technique.value) result.push_back(technique.name);
+  return result;
+}
+
+// What was done.
+nlohmann::json settings_json(const render::Plan& plan) {
+  const render::Window window = plan.window();
+  return {{"width", plan.width},
+          {"height", plan.height},
+          {"crop", {window.x, window.y, window.x + window.width, window.y + window.height}},
+          {"aov", render::aov_names(plan.aovs)},
+          {"camera", plan.camera},
+          {"first_sample", plan.first_sample},
+          {"samples", plan.samples},
+          {"max_depth", plan.max_depth},
+          {"seed", plan.seed},
+          {"sampler", name_of(names::SAMPLER, plan.sampler)},
+          {"techniques", technique_names(plan.techniques)},
+          {"light_sampling", name_of(names::LIGHT_SAMPLING, plan.light_sampling)},
+          {"light_paths", plan.light_paths},
+          {"cache_connections", plan.cache_connections},
+          {"merge_radius", plan.merge_radius},
+          {"merge_radius_rule", plan.merge_radius_rule},
+          {"merge_reduction", plan.merge_reduction},
+          {"regularization", regularization_name(plan.regularization)},
+          {"diffusion", (plan.regularization & REGULARIZATION_DIFFUSION) != 0},
+          {"sampler_quality", name_of(names::SAMPLER_QUALITY, plan.sampler_quality)},
+          {"tau", plan.tau},
+          {"tau_schedule", name_of(names::TAU_SCHEDULE, plan.regularization & REGULARIZATION_CONSISTENT)},
+          {"bound", name_of(names::BOUND, plan.bound)},
+          {"mis", name_of(names::MIS, plan.mis)},
+          {"clamp", std::isfinite(plan.largest_contribution) ? nlohmann::json(plan.largest_contribution)
                                                              : nlohmann::json(nullptr)},
-      {"ndf", NDF_NAMES[settings.ndf]},
-      {"shadowing", SHADOWING_NAMES[settings.shadowing]},
-      {"energy_compensation", settings.has_energy_compensation},
-      {"filter", FILTER_NAMES[settings.filter]},
-      {"filter_radius", settings.filter_radius},
-      {"filter_sigma", settings.filter_sigma}};
+          {"ndf", name_of(names::NDF, plan.ndf)},
+          {"shadowing", name_of(names::SHADOWING, plan.shadowing)},
+          {"energy_compensation", plan.has_energy_compensation},
+          {"filter", name_of(names::FILTER, plan.filter)},
+          {"filter_radius", plan.filter_radius},
+          {"filter_sigma", plan.filter_sigma}};
 }
 
-nlohmann::json scene_json(const scene::Scene& scene) {
-  const scene::Features features = scene::find_features(scene);
+// What was asked for, where the plan may have decided otherwise; null: its choice.
+nlohmann::json asked_json(const render::Plan& plan) {
+  const render::RenderSettings& asked = plan.asked;
+  const auto given = [](const auto& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+  };
+  return {{"techniques", technique_names(asked.techniques)},
+          {"light_sampling", name_of(names::LIGHT_SAMPLING, asked.light_sampling)},
+          {"light_paths", given(asked.light_paths)},
+          {"merge_radius", given(asked.merge_radius)},
+          {"merge_radius_share", given(asked.merge_radius_share)},
+          {"regularization", asked.regularization ? nlohmann::json(regularization_name(*asked.regularization))
+                                                  : nlohmann::json(nullptr)}};
+}
+
+nlohmann::json dropped_json(const render::Plan& plan) {
+  nlohmann::json dropped = nlohmann::json::array();
+  for (const render::Dropped& entry : plan.dropped)
+    dropped.push_back({{"what", entry.what}, {"why", entry.why}});
+  return dropped;
+}
+
+nlohmann::json scene_json(const PreparedScene& prepared) {
+  const scene::Scene& scene = prepared.scene;
+  const scene::Features& features = prepared.features;
   nlohmann::json present = nlohmann::json::array(), absent = nlohmann::json::array(),
                  classes = nlohmann::json::array();
   for (const scene::FeatureDescription& feature : scene::feature_descriptions())
     (features.bits & feature.bit ? present : absent).push_back(feature.name);
-  for (uint32_t i = 0; i < MATERIAL_CLASS_COUNT; ++i)
-    if (features.material_classes >> i & 1) classes.push_back(CLASS_NAMES[i]);
+  for (const render::Name& material_class : names::MATERIAL_CLASS)
+    if (features.material_classes >> material_class.value & 1) classes.push_back(material_class.name);
   return {{"file", scene.path.string()},
           {"animation", scene.pose ? nlohmann::json(scene.pose->animation) : nlohmann::json()},
           {"animation_seconds", scene.pose ? nlohmann::json(scene.pose->seconds) : nlohmann::json()},
@@ -100,17 +113,13 @@ nlohmann::json scene_json(const scene::Scene& scene) {
 }
 
 // Every step of the pass: those that did not run are listed as skipped.
-nlohmann::json stages_json(const render::RenderSettings& settings, const scene::Scene& scene,
-                           const render::RenderStatistics& statistics) {
-  const scene::Features features = scene::find_features(scene);
-  render::RenderSettings effective = settings;
-  effective.techniques = render::effective_techniques(features, settings);
+nlohmann::json stages_json(const render::Plan& plan, const render::RenderStatistics& statistics) {
   nlohmann::json stages = nlohmann::json::array();
   for (const render::StageStep& step : render::STAGES) {
     const auto found = statistics.stages.find(step.name);
     const render::StageStatistics stage =
         found == statistics.stages.end() ? render::StageStatistics{} : found->second;
-    const bool is_skipped = !render::is_needed(step, features, effective);
+    const bool is_skipped = !render::is_needed(step, plan);
     // Stages may share a queue: what another one worked on is not this one's.
     const uint64_t items = is_skipped ? 0 : statistics.items(step);
     stages.push_back({{"name", step.name},
@@ -146,16 +155,18 @@ nlohmann::json kernels_json(const gpu::Device& device) {
 
 }  // namespace
 
-nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
-                                 const render::RenderSettings& settings, const render::Renderer& renderer,
+nlohmann::json render_statistics(const gpu::Device& device, const PreparedScene& prepared,
+                                 const render::Plan& plan, const render::Renderer& renderer,
                                  const LoadTimes& times) {
   const render::RenderStatistics& statistics = renderer.statistics();
-  const uint64_t pixels = settings.window().pixels();
+  const uint64_t pixels = plan.window().pixels();
   return {{"version", VERSION},
           {"commit", COMMIT},
           {"device", {{"name", device.info().name}, {"driver", device.info().driver}}},
-          {"scene", scene_json(scene)},
-          {"settings", settings_json(settings)},
+          {"scene", scene_json(prepared)},
+          {"settings", settings_json(plan)},
+          {"asked", asked_json(plan)},
+          {"dropped", dropped_json(plan)},
           {"seconds",
            {{"load", times.load_seconds},
             {"bvh", times.bvh_seconds},
@@ -163,7 +174,7 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
             {"render", statistics.render_seconds},
             {"device", statistics.device_seconds},
             {"cpu", process_cpu_seconds()}}},
-          {"stages", stages_json(settings, scene, statistics)},
+          {"stages", stages_json(plan, statistics)},
           {"kernels", kernels_json(device)},
           {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
           {"spp_done", statistics.paths / pixels},
@@ -172,7 +183,8 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"samples_per_second", static_cast<double>(statistics.paths - statistics.resumed_paths) /
                                      std::max(statistics.render_seconds, 1e-9)},
           {"non_finite", statistics.non_finite},
-          {"film_exponents", {scene.film_exponents.radiance, scene.film_exponents.squares}},
+          {"film_exponents",
+           {prepared.features.film_exponents.radiance, prepared.features.film_exponents.squares}},
           {"saturated", saturated_json(renderer.film())},
           {"traversal_overruns", statistics.traversal_overruns},
           {"submissions",
@@ -187,11 +199,19 @@ nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& 
           {"host_peak_bytes", process_peak_bytes()}};
 }
 
-image::Attributes scene_attributes(const scene::Scene& scene, const render::RenderSettings& settings) {
+image::Attributes scene_attributes(const scene::Scene& scene, const render::Plan& plan) {
   image::Attributes attributes;
-  const nlohmann::json recorded = settings_json(settings);
-  for (const auto& [name, value] : recorded.items())
-    attributes["regulus:" + name] = value.is_string() ? value.get<std::string>() : value.dump();
+  const auto record = [&](const std::string& prefix, const nlohmann::json& values) {
+    for (const auto& [name, value] : values.items())
+      attributes[prefix + name] = value.is_string() ? value.get<std::string>() : value.dump();
+  };
+  record("regulus:", settings_json(plan));
+  record("regulus:asked_", asked_json(plan));
+  std::vector<std::string> dropped;
+  dropped.reserve(plan.dropped.size());
+  for (const render::Dropped& entry : plan.dropped)
+    dropped.push_back(fmt::format("{}: {}", entry.what, entry.why));
+  attributes["regulus:dropped"] = fmt::format("{}", fmt::join(dropped, "; "));
   attributes["regulus:scene"] = scene.path.string();
   if (scene.pose) {
     attributes["regulus:animation"] = scene.pose->animation;
@@ -205,10 +225,9 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Rend
 }
 
 image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
-                                   const render::RenderSettings& settings, const render::Renderer& renderer) {
-  image::Attributes attributes = scene_attributes(scene, settings);
-  attributes["regulus:samples_done"] =
-      std::to_string(renderer.statistics().paths / settings.window().pixels());
+                                   const render::Plan& plan, const render::Renderer& renderer) {
+  image::Attributes attributes = scene_attributes(scene, plan);
+  attributes["regulus:samples_done"] = std::to_string(renderer.statistics().paths / plan.window().pixels());
   attributes["regulus:device"] = device.info().name;
   attributes["regulus:driver"] = device.info().driver;
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", renderer.statistics().render_seconds);

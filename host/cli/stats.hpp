@@ -17,15 +17,15 @@ struct LoadTimes {
 };
 
 /// samples_done is per pixel, complete ones.
-nlohmann::json render_statistics(const gpu::Device& device, const scene::Scene& scene,
-                                 const render::RenderSettings& settings, const render::Renderer& renderer,
+nlohmann::json render_statistics(const gpu::Device& device, const PreparedScene& prepared,
+                                 const render::Plan& plan, const render::Renderer& renderer,
                                  const LoadTimes& times);
 
 /// What an image's header says of any backend's render: the settings and the scene.
-image::Attributes scene_attributes(const scene::Scene& scene, const render::RenderSettings& settings);
+image::Attributes scene_attributes(const scene::Scene& scene, const render::Plan& plan);
 
 /// And what it says of a device's.
 image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
-                                   const render::RenderSettings& settings, const render::Renderer& renderer);
+                                   const render::Plan& plan, const render::Renderer& renderer);
 
 }  // namespace regulus::cli

@@ -18,12 +18,12 @@ struct FilmBytes {
   uint64_t largest, all;
 };
 
-FilmBytes film_bytes(const render::RenderSettings& settings) {
+FilmBytes film_bytes(const render::Plan& plan) {
   constexpr uint64_t SUMS = interface::FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
   uint64_t sums = 1;
-  if ((settings.techniques & interface::TECHNIQUE_SPLAT) != 0) ++sums;
-  if ((settings.aovs & render::AOV_VARIANCE) != 0) sums += 2;
-  const bool has_surfaces = (settings.aovs & render::SURFACE_AOVS) != 0;
+  if ((plan.techniques & interface::TECHNIQUE_SPLAT) != 0) ++sums;
+  if ((plan.aovs & render::AOV_VARIANCE) != 0) sums += 2;
+  const bool has_surfaces = (plan.aovs & render::SURFACE_AOVS) != 0;
   return {has_surfaces ? std::max<uint64_t>(SUMS, sizeof(interface::AovPixel)) : SUMS,
           sums * SUMS + (has_surfaces ? sizeof(interface::AovPixel) : 0)};
 }
@@ -51,10 +51,9 @@ void place(const image::Channels& channels, const Window& band, const Window& wh
 
 }  // namespace
 
-std::vector<Window> film_bands(const gpu::Device& device, const render::RenderSettings& settings,
-                               uint64_t pixels_at_most) {
-  const Window window = settings.window();
-  const FilmBytes bytes = film_bytes(settings);
+std::vector<Window> film_bands(const gpu::Device& device, const render::Plan& plan, uint64_t pixels_at_most) {
+  const Window window = plan.window();
+  const FilmBytes bytes = film_bytes(plan);
   uint64_t pixels = device.info().max_allocation_bytes / bytes.largest;
   // A band leaves as much memory for paths as it takes.
   const uint64_t free = device.free_bytes();
@@ -67,28 +66,25 @@ std::vector<Window> film_bands(const gpu::Device& device, const render::RenderSe
   return bands;
 }
 
-TiledRender render_in_bands(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                            const render::RenderSettings& settings, const std::vector<Window>& bands,
-                            const render::ProgressCallback& progress) {
-  const Window whole = settings.window();
-  const uint64_t total = whole.pixels() * settings.samples;
+TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, const render::Plan& plan,
+                            const std::vector<Window>& bands, const render::ProgressCallback& progress) {
+  const Window whole = plan.window();
+  const uint64_t total = whole.pixels() * plan.samples;
   TiledRender result;
   result.image.width = whole.width;
   result.image.height = whole.height;
   bool is_running = true;
   for (const Window& band : bands) {
-    render::RenderSettings own = settings;
-    own.crop = band;
-    render::Renderer renderer(device, scene, bvh, own);
+    render::Renderer renderer(device, prepared, plan_for_window(plan, band));
     renderer.render(
         [&](uint64_t done, uint64_t) { return is_running = progress(result.paths + done, total); });
     const render::Film& film = renderer.film();
     image::Channels channels;
-    if ((settings.aovs & render::SURFACE_AOVS) != 0)
-      render::add_surface_channels(renderer.surface_aovs(), settings.aovs, scene.origin, channels);
-    if ((settings.aovs & render::AOV_SIGMA) != 0)
+    if ((plan.aovs & render::SURFACE_AOVS) != 0)
+      render::add_surface_channels(renderer.surface_aovs(), plan.aovs, prepared.scene.origin, channels);
+    if ((plan.aovs & render::AOV_SIGMA) != 0)
       render::add_sigma_channels(renderer.surface_footprints(), channels);
-    render::add_film_channels(film, settings.aovs, channels);
+    render::add_film_channels(film, plan.aovs, channels);
     place(resolve(film).rgb, band, 3, whole, result.image.rgb);
     place(channels, band, whole, result.channels);
     for (const std::string& warning : saturation_warnings(film))

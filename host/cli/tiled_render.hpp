@@ -13,12 +13,12 @@ namespace regulus::cli {
 
 /// The bands of rows in which a device can render the pixels that are asked for, the whole window if it fits:
 /// of `pixels_at_most` pixels if that is not 0.
-std::vector<render::Window> film_bands(const gpu::Device& device, const render::RenderSettings& settings,
+std::vector<render::Window> film_bands(const gpu::Device& device, const render::Plan& plan,
                                        uint64_t pixels_at_most);
 
 struct TiledRender {
   image::Image image;
-  image::Channels channels;  ///< as the settings' AOVs ask for
+  image::Channels channels;  ///< as the plan's AOVs ask for
   uint64_t paths = 0;        ///< rendered; all if none was interrupted
   uint64_t non_finite = 0, overruns = 0;
   double render_seconds = 0;
@@ -26,8 +26,8 @@ struct TiledRender {
 };
 
 /// Renders band after band; those that are not reached when `progress` returns false stay black.
-TiledRender render_in_bands(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                            const render::RenderSettings& settings, const std::vector<render::Window>& bands,
+TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, const render::Plan& plan,
+                            const std::vector<render::Window>& bands,
                             const render::ProgressCallback& progress);
 
 }  // namespace regulus::cli

@@ -39,11 +39,24 @@ CLI::Validator not_negative() {
   return number_validator("from 0 on", [](double value) { return value >= 0 && std::isfinite(value); });
 }
 
-CLI::Validator choice(const std::map<std::string, uint32_t>& names) {
+std::vector<std::string> names_of(render::Names names) {
+  std::vector<std::string> result;
+  result.reserve(names.size());
+  for (const render::Name& entry : names) result.emplace_back(entry.name);
+  return result;
+}
+
+const render::Name* find_name(render::Names names, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(names, [&](const render::Name& entry) { return name == entry.name; });
+  return found == names.end() ? nullptr : &*found;
+}
+
+CLI::Validator choice(render::Names names) {
   return {[names](std::string& text) {
-            const auto found = names.find(text);
-            if (found == names.end()) return unknown_name(text, names_of(names));
-            text = std::to_string(found->second);
+            const render::Name* found = find_name(names, text);
+            if (found == nullptr) return unknown_name(text, names_of(names));
+            text = std::to_string(found->value);
             return std::string();
           },
           fmt::format("{}", fmt::join(names_of(names), "|"))};

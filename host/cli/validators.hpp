@@ -4,9 +4,10 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
+
+#include "render/names.hpp"
 
 namespace regulus::cli {
 
@@ -20,18 +21,14 @@ CLI::Validator positive_or_infinite();
 CLI::Validator not_negative();
 
 /// One of the names; the value becomes its number.
-CLI::Validator choice(const std::map<std::string, uint32_t>& names);
+CLI::Validator choice(render::Names names);
 
 /// One of the names.
 CLI::Validator one_of(const std::vector<std::string>& names);
 
-/// The keys of a map from names.
-template <typename Map>
-std::vector<std::string> names_of(const Map& map) {
-  std::vector<std::string> names;
-  names.reserve(map.size());
-  for (const auto& [name, ignored] : map) names.emplace_back(name);
-  return names;
-}
+std::vector<std::string> names_of(render::Names names);
+
+/// The entry of that name; nullptr if there is none.
+const render::Name* find_name(render::Names names, const std::string& name);
 
 }  // namespace regulus::cli

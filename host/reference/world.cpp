@@ -29,18 +29,18 @@ constexpr double MIN_MAPPED_COS = 0.01;
 
 }  // namespace
 
-World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint32_t shadowing,
-             uint32_t light_sampling, bool compensates_energy)
-    : scene_(scene),
-      traversal_(tree, &scene),
+World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, uint32_t light_sampling,
+             bool compensates_energy)
+    : scene_(prepared.scene),
+      traversal_(prepared.bvh, &prepared.scene),
       ndf_(ndf),
       shadowing_(shadowing),
-      light_sampling_(scene::resolve_light_sampling(light_sampling, scene.lights.size())),
-      center_(0.5f * (scene.bounds_min + scene.bounds_max)),
-      radius_(0.5 * glm::length(dvec3(scene.bounds_max) - dvec3(scene.bounds_min))),
-      has_smooth_normals_((scene::find_features(scene).bits & FEATURE_SMOOTH_NORMALS) != 0) {
+      light_sampling_(scene::resolve_light_sampling(light_sampling, scene_.lights.size())),
+      center_(0.5f * (scene_.bounds_min + scene_.bounds_max)),
+      radius_(0.5 * glm::length(dvec3(scene_.bounds_max) - dvec3(scene_.bounds_min))),
+      has_smooth_normals_((prepared.features.bits & FEATURE_SMOOTH_NORMALS) != 0) {
   std::map<float, double> average;
-  for (const Material& material : scene.materials) {
+  for (const Material& material : scene_.materials) {
     const auto [entry, is_new] = average.try_emplace(material.ior);
     if (is_new) entry->second = fresnel_dielectric_average(material.ior);
     fresnel_average_.push_back(entry->second);
@@ -49,7 +49,7 @@ World::World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf, uint
     for (const auto& [behind, unused] : average)
       for (const auto& [in_front, also_unused] : average)
         relative_average_[{behind, in_front}] = fresnel_dielectric_average(double{behind} / in_front);
-  const bool has_rough_bases = (scene::find_features(scene).bits & FEATURE_ROUGH_BASE) != 0;
+  const bool has_rough_bases = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
   if (!compensates_energy && !has_rough_bases) return;
   std::vector<float> indices;
   indices.reserve(average.size());

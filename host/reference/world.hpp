@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "prepared/prepared_scene.hpp"
 #include "reference/bsdf.hpp"
 #include "reference/media.hpp"
 #include "reference/traversal.hpp"
@@ -49,13 +50,12 @@ struct Place {
   glm::dvec2 barycentrics{0};  ///< only where a walk was recorded
 };
 
-/// A scene with its tree and microfacet model. Scene and tree must outlive it.
+/// A scene with a microfacet model. The scene must outlive it.
 class World {
  public:
-  /// The scene must have been prepared by bvh::build_for_scene, whose result is `tree`.
-  World(const scene::Scene& scene, const bvh::Bvh& tree, uint32_t ndf = interface::NDF_GGX,
-        uint32_t shadowing = interface::SHADOWING_SMITH,
-        uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false);
+  explicit World(const PreparedScene& prepared, uint32_t ndf = interface::NDF_GGX,
+                 uint32_t shadowing = interface::SHADOWING_SMITH,
+                 uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false);
 
   const scene::Scene& scene() const { return scene_; }
   const Traversal& traversal() const { return traversal_; }

@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/error.hpp"
 #include "render/device_images.hpp"
 #include "render/energy_tables.hpp"
@@ -19,8 +17,8 @@ const scene::Environment& environment_of(const scene::Scene& scene) {
   return scene.environment ? *scene.environment : NO_ENVIRONMENT;
 }
 
-const scene::LightTree& light_tree_of(const scene::Scene& scene, const RenderSettings& settings) {
-  return settings.light_sampling == interface::LIGHT_SAMPLING_BVH ? scene.light_tree : NO_LIGHT_TREE;
+const scene::LightTree& light_tree_of(const scene::Scene& scene, const Plan& plan) {
+  return plan.light_sampling == interface::LIGHT_SAMPLING_BVH ? scene.light_tree : NO_LIGHT_TREE;
 }
 
 const scene::Solids NO_SOLIDS;
@@ -29,11 +27,11 @@ const scene::Solids& solids_of(const scene::Scene& scene) {
   return scene.solids.has_contacts ? scene.solids : NO_SOLIDS;
 }
 
-gpu::Buffer energy_tables_of(gpu::Device& device, const scene::Scene& scene, const RenderSettings& settings) {
+gpu::Buffer energy_tables_of(gpu::Device& device, const PreparedScene& prepared, const Plan& plan) {
   const uint32_t feature =
-      settings.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
-  const bool is_needed = (scene::find_features(scene).bits & feature) != 0;
-  return is_needed ? make_energy_tables(device, scene.materials, settings) : gpu::Buffer();
+      plan.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
+  const bool is_needed = (prepared.features.bits & feature) != 0;
+  return is_needed ? make_energy_tables(device, prepared.scene.materials, plan) : gpu::Buffer();
 }
 
 double mebibytes(uint64_t bytes) {
@@ -45,8 +43,10 @@ uint64_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
 }
 
-/// Refuses before anything is allocated; hands the tree on.
-const bvh::Bvh& require_memory(const gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh) {
+/// Refuses before anything is allocated; hands the scene on.
+const scene::Scene& require_memory(const gpu::Device& device, const PreparedScene& prepared) {
+  const scene::Scene& scene = prepared.scene;
+  const bvh::Bvh& bvh = prepared.bvh;
   const uint64_t textures = texture_bytes(scene);
   uint64_t bytes = textures + bytes_of(bvh.nodes) + bytes_of(bvh.triangles) + bytes_of(scene.vertices) +
                    bytes_of(scene.vertex_colors) + bytes_of(scene.vertex_uvs) +
@@ -60,15 +60,18 @@ const bvh::Bvh& require_memory(const gpu::Device& device, const scene::Scene& sc
                             "are free or allowed by --memory; make its textures smaller or reduce it",
                             scene.path.string(), mebibytes(bytes), mebibytes(textures),
                             mebibytes(device.free_bytes())));
-  return bvh;
+  return scene;
 }
 
 }  // namespace
 
-DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                         const RenderSettings& settings)
-    : bvh_nodes_(gpu::upload_new(device, require_memory(device, scene, bvh).nodes, "bvh nodes")),
-      bvh_triangles_(gpu::upload_new(device, bvh.triangles, "bvh triangles")),
+DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, const Plan& plan)
+    : DeviceScene(device, prepared, require_memory(device, prepared), plan) {}
+
+DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, const scene::Scene& scene,
+                         const Plan& plan)
+    : bvh_nodes_(gpu::upload_new(device, prepared.bvh.nodes, "bvh nodes")),
+      bvh_triangles_(gpu::upload_new(device, prepared.bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
       vertex_colors_(gpu::upload_new(device, scene.vertex_colors, "vertex colours")),
       vertex_uvs_(gpu::upload_new(device, scene.vertex_uvs, "further texture coordinates")),
@@ -79,11 +82,11 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       materials_(gpu::upload_new(device, scene.materials, "materials")),
       lights_(gpu::upload_new(device, scene.lights, "lights")),
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
-      light_pairs_(gpu::upload_new(device, light_tree_of(scene, settings).pairs, "light pairs")),
-      light_trails_(gpu::upload_new(device, light_tree_of(scene, settings).trails, "light trails")),
+      light_pairs_(gpu::upload_new(device, light_tree_of(scene, plan).pairs, "light pairs")),
+      light_trails_(gpu::upload_new(device, light_tree_of(scene, plan).trails, "light trails")),
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
-      energy_tables_(energy_tables_of(device, scene, settings)),
+      energy_tables_(energy_tables_of(device, prepared, plan)),
       solids_(gpu::upload_new(device, solids_of(scene).records, "solids")),
       media_sets_(gpu::upload_new(device, solids_of(scene).media_sets, "media sets")),
       light_media_(gpu::upload_new(device, solids_of(scene).of_light, "media of lights")),
@@ -91,19 +94,13 @@ DeviceScene::DeviceScene(gpu::Device& device, const scene::Scene& scene, const b
       light_tree_{interface::device_address(light_pairs_.address()),
                   interface::device_address(light_trails_.address()), scene.light_tree.center,
                   scene.light_tree.radius},
-      // As FEATURE_ENVIRONMENT, by which kernels go. However dim it is: its share of the choice may round to
-      // 0.
-      has_environment_(std::ranges::any_of(
-          scene.lights,
-          [](const interface::Light& light) { return light.kind == interface::LIGHT_ENVIRONMENT; })),
       light_count_(static_cast<uint32_t>(scene.lights.size())),
       vertex_uv_sets_(scene.vertex_uv_sets),
       stored_triangles_(static_cast<uint32_t>(scene.triangles.size())),
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)),
-      has_contacts_(scene.solids.has_contacts),
-      camera_media_(has_contacts_ ? scene.solids.of_camera.at(settings.camera) : 0) {
+      camera_media_(scene.solids.has_contacts ? scene.solids.of_camera.at(plan.camera) : 0) {
   std::vector<interface::Texture> textures = scene.textures;
   images_ = upload_images(device, scene.images, device.info().max_allocation_bytes, textures);
   textures_ = gpu::upload_new(device, textures, "textures");

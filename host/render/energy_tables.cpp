@@ -87,7 +87,7 @@ void add_cover_means(std::vector<float>& words, size_t side) {
 }  // namespace
 
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>& materials,
-                               const RenderSettings& settings) {
+                               const CommonSettings& settings) {
   const std::vector<float> indices = choose_indices(materials);
   const size_t count = ENERGY_PER_INDEX + indices.size() * ENERGY_INDEX_WORDS;
   gpu::Buffer tables = device.create_buffer(count * sizeof(float), "energy tables");

@@ -13,6 +13,6 @@ namespace regulus::render {
 /// Integrates the tables for the interfaces of these materials under settings.ndf and settings.shadowing:
 /// with settings.has_energy_compensation those of energy compensation, otherwise the covers of diffuse bases.
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<interface::Material>& materials,
-                               const RenderSettings& settings);
+                               const CommonSettings& settings);
 
 }  // namespace regulus::render

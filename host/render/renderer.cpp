@@ -37,31 +37,19 @@ double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-// What can contribute, and values in place of "choose for me".
-RenderSettings resolve_settings(const scene::Scene& scene, const RenderSettings& asked) {
-  RenderSettings settings = asked;
-  const scene::Features features = scene::find_features(scene);
-  settings.regularization = effective_regularization(features, asked);
-  settings.techniques = effective_techniques(features, asked);
-  settings.light_sampling = effective_light_sampling(scene, settings);
-  if (settings.light_paths == 0) settings.light_paths = settings.width * settings.height;
-  require_merge_radius(settings);
-  return settings;
-}
-
 uint64_t whole_groups(uint64_t paths) {
   return (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE;
 }
 
-uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settings, uint64_t bytes_each,
+uint32_t choose_capacity(const gpu::Device& device, const Plan& plan, uint64_t bytes_each,
                          uint64_t total_paths) {
   const gpu::DeviceInfo& info = device.info();
-  uint64_t paths = settings.wave_paths;
+  uint64_t paths = plan.wave_paths;
   if (paths == 0) {
     paths = info.kind == gpu::DeviceKind::Software ? SOFTWARE_WAVE_PATHS : HARDWARE_WAVE_PATHS;
     paths = std::min(paths, device.free_bytes() / 2 / bytes_each);
   }
-  const uint64_t limit = most_paths(settings, info.max_groups, info.max_allocation_bytes);
+  const uint64_t limit = most_paths(plan, info.max_groups, info.max_allocation_bytes);
   paths = std::min(whole_groups(std::min(paths, total_paths)), limit / WORKGROUP_SIZE * WORKGROUP_SIZE);
   return static_cast<uint32_t>(std::max<uint64_t>(paths, WORKGROUP_SIZE));
 }
@@ -70,12 +58,11 @@ uint32_t choose_capacity(const gpu::Device& device, const RenderSettings& settin
 
 struct Renderer::Impl {
   gpu::Device& device;
-  RenderSettings settings;
+  Plan plan;
   uint64_t pixels, total_paths;
   DeviceScene scene;
   uint64_t path_bytes;
   uint32_t capacity;
-  LightVertexPlan plan;
   WavefrontBuffers buffers;
   std::vector<PipelineStep> pipeline;
   Scan scan;
@@ -95,36 +82,34 @@ struct Renderer::Impl {
   bool is_running = true;
   bool is_film_whole = true;  // false: the device's holds parts of a wave that was given up
 
-  Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
-       const RenderSettings& settings_in)
+  Impl(gpu::Device& device_in, const PreparedScene& prepared, const Plan& plan_in)
       : device(device_in),
-        settings(render::resolve_settings(scene_in, settings_in)),
-        pixels(settings.window().pixels()),
-        total_paths(pixels * settings.samples),
-        scene(device, scene_in, bvh, settings),
-        path_bytes(bytes_per_path(settings, scene)),
-        capacity(choose_capacity(device, settings, path_bytes,
-                                 std::max<uint64_t>(total_paths, settings.light_paths))),
-        plan(plan_light_vertices(settings)),
+        plan(plan_in),
+        pixels(plan.window().pixels()),
+        total_paths(pixels * plan.samples),
+        scene(device, prepared, plan),
+        path_bytes(bytes_per_path(plan)),
+        capacity(
+            choose_capacity(device, plan, path_bytes, std::max<uint64_t>(total_paths, plan.light_paths))),
         buffers(device, scene,
-                scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
-                settings, capacity),
-        pipeline(build_pipeline(device, scene::find_features(scene_in), settings)),
+                scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
+                capacity),
+        pipeline(build_pipeline(device, plan)),
         scan(device),
-        work(device, ITEMS_PER_PATH * (settings.wave_paths != 0 ? capacity : WORKGROUP_SIZE), statistics),
-        core(device, work, pipeline, buffers, settings) {
+        work(device, ITEMS_PER_PATH * (plan.wave_paths != 0 ? capacity : WORKGROUP_SIZE), statistics),
+        core(device, work, pipeline, buffers, plan) {
     const auto has_pass = [&](Pass pass) {
       return std::ranges::any_of(pipeline,
                                  [&](const PipelineStep& entry) { return entry.step.pass == pass; });
     };
     has_light_pass = has_pass(Pass::Light);
     has_camera_pass = has_pass(Pass::Camera);
-    film.width = settings.window().width;
-    film.height = settings.window().height;
+    film.width = plan.window().width;
+    film.height = plan.window().height;
     film.words.resize(pixels * FILM_WORDS_PER_PIXEL);
     film.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
-    film.light_paths_per_iteration = settings.light_paths;
-    film.exponents = scene_in.film_exponents;
+    film.light_paths_per_iteration = plan.light_paths;
+    film.exponents = prepared.features.film_exponents;
     film.earlier_words.resize(buffers.film_earlier.size() / sizeof(uint32_t));
     film.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
     statistics.wave_capacity = capacity;
@@ -148,11 +133,11 @@ struct Renderer::Impl {
 
   float merge_radius(uint64_t sample) const {
     const auto iteration = static_cast<double>(sample + 1);
-    return settings.merge_radius * static_cast<float>(std::pow(iteration, -double{settings.merge_reduction}));
+    return plan.merge_radius * static_cast<float>(std::pow(iteration, -double{plan.merge_reduction}));
   }
 
   uint64_t next_wave_paths() const {
-    if (settings.wave_paths == 0 && is_first_wave) return std::min(capacity, FIRST_WAVE_PATHS);
+    if (plan.wave_paths == 0 && is_first_wave) return std::min(capacity, FIRST_WAVE_PATHS);
     return std::min({uint64_t{capacity}, work.bound() / ITEMS_PER_PATH, WaveCore::most_paths(reach)});
   }
 
@@ -189,7 +174,7 @@ struct Renderer::Impl {
     work.drop();
     is_running = false;
     constexpr uint32_t ADD_AT_ONCE = TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
-    if ((settings.techniques & ADD_AT_ONCE) != 0) is_film_whole = false;
+    if ((plan.techniques & ADD_AT_ONCE) != 0) is_film_whole = false;
   }
 
   // Runs a step over so many items, from arguments.first_pixel on.
@@ -212,7 +197,7 @@ struct Renderer::Impl {
   }
 
   void take_snapshot_if_due() {
-    const bool has_grown = settings.keeps_doublings && finished >= paths_of_next_state();
+    const bool has_grown = plan.keeps_doublings && finished >= paths_of_next_state();
     const double due = std::max(LEAST_SNAPSHOT_SECONDS, SNAPSHOT_AGE * snapshot_seconds);
     if (!has_grown && seconds_since(last_snapshot) < due) return;
     work.finish();
@@ -230,7 +215,7 @@ struct Renderer::Impl {
     while (is_running && finished < total_paths) {
       run_paths(finished, next_stop());
       end_sample();
-      if (!is_running || !settings.keeps_doublings) continue;
+      if (!is_running || !plan.keeps_doublings) continue;
       take_snapshot_if_due();
       is_running = (*progress)(finished, total_paths);
     }
@@ -239,14 +224,14 @@ struct Renderer::Impl {
   uint64_t next_stop() const {
     uint64_t stop = total_paths;
     if (buffers.film_squares.size() != 0) stop = std::min(stop, (finished / pixels + 1) * pixels);
-    if (settings.keeps_doublings) stop = std::min(stop, std::max(paths_of_next_state(), finished + 1));
+    if (plan.keeps_doublings) stop = std::min(stop, std::max(paths_of_next_state(), finished + 1));
     return stop;
   }
 
   void run_paths(uint64_t begin, uint64_t end) {
     run_waves(begin, end, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
       const StageArguments arguments =
-          arguments_of(first % pixels, settings.first_sample + first / pixels, paths);
+          arguments_of(first % pixels, plan.first_sample + first / pixels, paths);
       if (has_light_pass) {
         work.room_for(1).fill(buffers.light_vertex_count, 0, buffers.light_vertex_count.size(), 0);
         if (!core.run(Pass::Light, arguments)) return std::nullopt;
@@ -259,12 +244,12 @@ struct Renderer::Impl {
   // All light paths of an iteration, then one sample of every pixel.
   void render_by_iterations() {
     if (buffers.light_path_ends.size() != 0) expect_light_vertices();
-    for (uint64_t done = finished / pixels; is_running && done < settings.samples; ++done) {
-      const uint64_t sample = settings.first_sample + done;
+    for (uint64_t done = finished / pixels; is_running && done < plan.samples; ++done) {
+      const uint64_t sample = plan.first_sample + done;
       // A resumed render may have walked some of this iteration's light paths.
-      const uint64_t before = done * settings.light_paths;
-      walk_light_paths(sample, std::clamp(finished_light, before, before + settings.light_paths) - before);
-      if (is_running && plan.has_vertices) make_light_vertices_fit(sample);
+      const uint64_t before = done * plan.light_paths;
+      walk_light_paths(sample, std::clamp(finished_light, before, before + plan.light_paths) - before);
+      if (is_running && plan.light_vertices.has_vertices) make_light_vertices_fit(sample);
       if (is_running) sort_light_vertices(sample);
       if (!is_running) break;
       if (has_camera_pass) {
@@ -292,7 +277,7 @@ struct Renderer::Impl {
   // How many light vertices an iteration has, as the very first one counts them: the same for every range of
   // samples.
   void expect_light_vertices() {
-    walk_light_paths(0, settings.light_paths);
+    walk_light_paths(0, plan.light_paths);
     buffers.expect_light_vertices(device, read_light_word(LIGHT_COUNT_VERTICES));
   }
 
@@ -309,7 +294,7 @@ struct Renderer::Impl {
       });
     };
     walk(0, repeated, true);
-    walk(repeated, settings.light_paths, false);
+    walk(repeated, plan.light_paths, false);
   }
 
   uint32_t read_light_word(uint64_t index) {
@@ -324,18 +309,18 @@ struct Renderer::Impl {
     const uint64_t counted = read_light_word(LIGHT_COUNT_VERTICES);
     if (counted <= buffers.light_vertex_capacity()) return;
     buffers.grow_light_vertices(device, counted + counted / 4);
-    walk_light_paths(sample, settings.light_paths);
+    walk_light_paths(sample, plan.light_paths);
   }
 
   // Makes the light vertices findable by place and by number, and learns how many may be in reach of a merge.
   void sort_light_vertices(uint64_t sample) {
-    if (!plan.has_vertices) return;
+    if (!plan.light_vertices.has_vertices) return;
     const StageArguments arguments = arguments_of(0, sample, 0);
     if (buffers.light_path_ends.size() != 0) {
-      run_step("light_path_counts", arguments, settings.light_paths);
-      run_scan(buffers.light_path_ends, settings.light_paths);
+      run_step("light_path_counts", arguments, plan.light_paths);
+      run_scan(buffers.light_path_ends, plan.light_paths);
     }
-    if (!plan.has_merges) return work.finish();
+    if (!plan.light_vertices.has_merges) return work.finish();
     const uint64_t vertices = read_light_word(LIGHT_COUNT_VERTICES);
     work.room_for(1).fill(buffers.grid_cells, 0, buffers.grid_cells.size(), 0);
     run_step("grid_count", arguments, vertices);
@@ -411,12 +396,12 @@ struct Renderer::Impl {
   // Path slots serve as pixels, wave by wave.
   std::vector<vec3> surface_footprints() {
     std::vector<vec3> footprints;
-    if ((settings.aovs & AOV_SIGMA) == 0) return footprints;
+    if ((plan.aovs & AOV_SIGMA) == 0) return footprints;
     const uint64_t slots = std::min<uint64_t>(SURFACE_WAVE_PIXELS, capacity);
     for (uint64_t first = 0; first < pixels; first += slots) {
       const auto count = static_cast<uint32_t>(std::min(slots, pixels - first));
       StageArguments arguments = arguments_of(first, 0, count);
-      for (arguments.bounce = 0; arguments.bounce < settings.max_depth; ++arguments.bounce)
+      for (arguments.bounce = 0; arguments.bounce < plan.max_depth; ++arguments.bounce)
         run_step("surface_footprints", arguments, count);
       work.finish();
       std::ranges::copy(gpu::download_all<vec3>(device, buffers.path_footprints, count),
@@ -446,9 +431,9 @@ struct Renderer::Impl {
   }
 
   void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const {
-    if (!settings.has_strategy_images) return;
+    if (!plan.has_strategy_images) return;
     uint64_t index = 0;
-    for (const Strategy& strategy : list_strategies(settings.techniques, settings.max_depth)) {
+    for (const Strategy& strategy : list_strategies(plan.techniques, plan.max_depth)) {
       const image::Image weighted = strategy_image(strategy, index++);
       use({strategy, weighted, strategy_image(strategy, index++)});
     }
@@ -459,10 +444,10 @@ struct Renderer::Impl {
     last_snapshot = start;
     progress = &progress_in;
     // Images of strategies have no snapshots.
-    if (!settings.has_strategy_images) work.set_cancellation(is_cancelled);
+    if (!plan.has_strategy_images) work.set_cancellation(is_cancelled);
     if (!has_light_pass && !has_camera_pass)
       finished = total_paths;  // no technique can contribute: the image is black
-    else if (plan.is_per_wave)
+    else if (plan.light_vertices.is_per_wave)
       render_by_waves();
     else
       render_by_iterations();
@@ -472,9 +457,8 @@ struct Renderer::Impl {
   }
 };
 
-Renderer::Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                   const RenderSettings& settings)
-    : impl_(std::make_unique<Impl>(device, scene, bvh, settings)) {}
+Renderer::Renderer(gpu::Device& device, const PreparedScene& prepared, const Plan& plan)
+    : impl_(std::make_unique<Impl>(device, prepared, plan)) {}
 Renderer::~Renderer() = default;
 
 void Renderer::resume(const Film& film) {

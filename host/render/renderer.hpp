@@ -5,13 +5,12 @@
 #include <functional>
 #include <memory>
 
-#include "bvh/bvh.hpp"
 #include "gpu/gpu.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "render/film.hpp"
-#include "render/settings.hpp"
+#include "render/plan.hpp"
 #include "render/statistics.hpp"
 #include "render/strategies.hpp"
-#include "scene/scene.hpp"
 
 namespace regulus::render {
 
@@ -22,10 +21,8 @@ using ProgressCallback = std::function<bool(uint64_t paths_done, uint64_t paths_
 /// nor interruption changes the samples it consists of.
 class Renderer {
  public:
-  /// Uploads the scene and builds the pipelines. The scene must have been prepared by
-  /// bvh::build_for_scene; `bvh` is its result. Scene and bvh may be freed afterwards.
-  Renderer(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-           const RenderSettings& settings);
+  /// Uploads the scene, which may be freed afterwards, and builds the pipelines.
+  Renderer(gpu::Device& device, const PreparedScene& prepared, const Plan& plan);
   ~Renderer();
 
   /// Goes on where an earlier render of the same scene and settings stopped: render() then does what is left.
@@ -49,7 +46,7 @@ class Renderer {
 
   const Film& film() const;
   const RenderStatistics& statistics() const;
-  /// With settings.has_strategy_images, after render(): of every strategy, one after the other, each with
+  /// With plan.has_strategy_images, after render(): of every strategy, one after the other, each with
   /// `use`.
   void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const;
 

@@ -4,7 +4,7 @@
 
 #include <cstdint>
 #include <limits>
-#include <string>
+#include <optional>
 
 #include "interface/wavefront.h"
 
@@ -32,7 +32,8 @@ inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_
 inline constexpr uint32_t SURFACE_AOVS = AOV_ALBEDO | AOV_SHADING_NORMAL | AOV_GEOMETRIC_NORMAL |
                                          AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE;
 
-struct RenderSettings {
+/// What is done as it is asked for: the same in RenderSettings and in the Plan made of them.
+struct CommonSettings {
   uint32_t width = 0, height = 0;  ///< film, pixels
   Window crop{};                   ///< pixels that are rendered; without pixels: the whole film
   uint32_t camera = 0;             ///< index into Scene::cameras
@@ -41,16 +42,10 @@ struct RenderSettings {
   uint32_t max_depth = 12;         ///< path edges
   uint32_t seed = 0;
   uint32_t sampler = interface::SAMPLER_SOBOL;
-  uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
-  uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
-  uint32_t light_paths = 0;         ///< per iteration (one sample of every pixel); 0: as many as pixels
-  uint32_t cache_connections = 0;   ///< light vertices a camera vertex connects to, drawn from all of the
-                                    ///< iteration's; 0: those of its own light path (paired)
-  float merge_radius = 0;           ///< metres, of the first iteration; above 0 where technique merge is used
-  std::string merge_radius_rule{};  ///< in words, where it comes from; does not change the image
+  uint32_t cache_connections = 0;  ///< light vertices a camera vertex connects to, drawn from all of the
+                                   ///< iteration's; 0: those of its own light path (paired)
   float merge_reduction =
-      1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is merge_radius i^-merge_reduction
-  uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
+      1.0f / 6;  ///< the radius of iteration i = 1, 2, ... is the first one's times i^-merge_reduction
   uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
@@ -70,6 +65,20 @@ struct RenderSettings {
 
   /// The pixels that are rendered.
   Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }
+};
+
+/// What a render is asked to do. What is done is a Plan (render/plan.hpp), which alone decides what is left
+/// open here.
+struct RenderSettings : CommonSettings {
+  uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
+  uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
+  std::optional<uint32_t> light_paths;  ///< per iteration (one sample of every pixel); none: one per pixel
+  std::optional<float> merge_radius;    ///< metres, of the first iteration; none: by what the camera sees
+  std::optional<float> merge_radius_share;  ///< instead of metres: of the extent that the camera sees
+  bool keeps_merge_radius = false;          ///< one that is given is not fitted to what the camera sees
+  /// REGULARIZATION_* bits; none: roughness, but nothing where vertices are merged.
+  std::optional<uint32_t> regularization = interface::REGULARIZATION_NONE;
+  uint32_t regularization_modes = 0;  ///< REGULARIZATION_CONSISTENT, _DIFFUSION: of whatever is regularized
 };
 
 }  // namespace regulus::render

@@ -15,15 +15,6 @@ using namespace interface;
 
 namespace {
 
-RenderSettings recorded_settings(const scene::Scene& scene, RenderSettings settings, uint32_t techniques) {
-  settings.techniques &= techniques;
-  settings.techniques = effective_techniques(scene::find_features(scene), settings);
-  settings.light_sampling = effective_light_sampling(scene, settings);
-  settings.light_paths = settings.width * settings.height;
-  require_merge_radius(settings);
-  return settings;
-}
-
 /// A film's fixed-point sums as numbers.
 std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words, int exponent) {
   std::vector<glm::dvec3> values(words.size() / FILM_WORDS_PER_PIXEL, glm::dvec3(0));
@@ -36,9 +27,15 @@ std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words, int expo
 
 }  // namespace
 
+Plan plan_recording(const PreparedScene& prepared, RenderSettings settings, uint32_t techniques) {
+  settings.techniques &= techniques;
+  settings.light_paths.reset();
+  return make_plan(prepared, settings);
+}
+
 struct StageRecorder::Impl {
   gpu::Device& device;
-  RenderSettings settings;
+  Plan plan;
   uint32_t paths;
   int film_exponent;
   DeviceScene scene;
@@ -46,17 +43,16 @@ struct StageRecorder::Impl {
   std::vector<PipelineStep> pipeline;
   Scan scan;
 
-  Impl(gpu::Device& device_in, const scene::Scene& scene_in, const bvh::Bvh& bvh,
-       const RenderSettings& settings_in, uint32_t paths_in, uint32_t techniques)
+  Impl(gpu::Device& device_in, const PreparedScene& prepared, const Plan& plan_in, uint32_t paths_in)
       : device(device_in),
-        settings(recorded_settings(scene_in, settings_in, techniques)),
+        plan(plan_in),
         paths(paths_in),
-        film_exponent(scene_in.film_exponents.radiance),
-        scene(device, scene_in, bvh, settings),
+        film_exponent(prepared.features.film_exponents.radiance),
+        scene(device, prepared, plan),
         buffers(device, scene,
-                scene::make_camera(scene_in.cameras.at(settings.camera), settings.width, settings.height),
-                settings, (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),
-        pipeline(build_pipeline(device, scene::find_features(scene_in), settings)),
+                scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
+                (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),
+        pipeline(build_pipeline(device, plan)),
         scan(device) {}
 
   template <typename T>
@@ -130,7 +126,7 @@ struct StageRecorder::Impl {
     recorded.radiance_before_visibility = download<glm::vec3>(buffers.radiance_, paths);
     run(pass, "trace_visibility", arguments);
     recorded.radiance = download<glm::vec3>(buffers.radiance_, paths);
-    if ((settings.techniques & TECHNIQUE_NEE) != 0) {
+    if ((plan.techniques & TECHNIQUE_NEE) != 0) {
       for (const float share : {1 - PROBE_MARGIN, 1 + PROBE_MARGIN}) probe(arguments, share, recorded);
       device.upload(buffers.radiance_, 0, gpu::bytes_of(recorded.radiance));
     }
@@ -171,7 +167,7 @@ struct StageRecorder::Impl {
     arguments.wave_paths = paths;
     arguments.first_sample = sample;
     arguments.merge_radius =
-        settings.merge_radius * static_cast<float>(std::pow(sample + 1.0, -double{settings.merge_reduction}));
+        plan.merge_radius * static_cast<float>(std::pow(sample + 1.0, -double{plan.merge_reduction}));
     return arguments;
   }
 
@@ -194,7 +190,7 @@ struct StageRecorder::Impl {
     StageArguments arguments = arguments_of(sample);
     run(Pass::Light, "light_generate", arguments);
     run(Pass::Light, "start_media", arguments);
-    for (uint32_t bounce = 0; bounce + 1 < std::max(settings.max_depth, 2u); ++bounce) {
+    for (uint32_t bounce = 0; bounce + 1 < std::max(plan.max_depth, 2u); ++bounce) {
       arguments.bounce = bounce;
       recording.light_hits.push_back(trace_closest(Pass::Light, arguments));
       run(Pass::Light, "light_bounce", arguments);
@@ -226,10 +222,10 @@ struct StageRecorder::Impl {
 
   void sort_light_vertices(const StageArguments& arguments, ConnectionRecording& recording) {
     const auto vertices = static_cast<uint32_t>(recording.light_vertices.size());
-    run_over("light_path_counts", arguments, settings.light_paths);
-    recording.path_counts = download<uint32_t>(buffers.light_path_ends, settings.light_paths);
-    scan_words(buffers.light_path_ends, settings.light_paths);
-    recording.path_ends = download<uint32_t>(buffers.light_path_ends, settings.light_paths);
+    run_over("light_path_counts", arguments, plan.light_paths);
+    recording.path_counts = download<uint32_t>(buffers.light_path_ends, plan.light_paths);
+    scan_words(buffers.light_path_ends, plan.light_paths);
+    recording.path_ends = download<uint32_t>(buffers.light_path_ends, plan.light_paths);
 
     fill(buffers.grid_cells, 0);
     const uint32_t cells = buffers.grid_cell_count() + 1;
@@ -272,13 +268,13 @@ struct StageRecorder::Impl {
   }
 };
 
-StageRecorder::StageRecorder(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                             const RenderSettings& settings, uint32_t paths, uint32_t techniques)
-    : impl_(std::make_unique<Impl>(device, scene, bvh, settings, paths, techniques)) {}
+StageRecorder::StageRecorder(gpu::Device& device, const PreparedScene& prepared, const Plan& plan,
+                             uint32_t paths)
+    : impl_(std::make_unique<Impl>(device, prepared, plan, paths)) {}
 StageRecorder::~StageRecorder() = default;
 
-const RenderSettings& StageRecorder::settings() const {
-  return impl_->settings;
+const Plan& StageRecorder::plan() const {
+  return impl_->plan;
 }
 
 Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample) {
@@ -299,8 +295,7 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   impl.run(pass, "start_media", arguments);
   Recording recording;
   recording.generated = impl.download<Path>(impl.buffers.paths_, impl.paths);
-  const uint32_t bounces =
-      pass == Pass::Camera ? impl.settings.max_depth : std::max(impl.settings.max_depth, 2u) - 1;
+  const uint32_t bounces = pass == Pass::Camera ? impl.plan.max_depth : std::max(impl.plan.max_depth, 2u) - 1;
   for (arguments.bounce = 0; arguments.bounce < bounces; ++arguments.bounce) {
     recording.bounces.push_back(impl.record_bounce(pass, arguments));
     if (recording.bounces.back().continuing.empty()) break;
@@ -316,7 +311,7 @@ ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample) {
   const uint32_t vertices = impl.walk_light_paths(sample, recording);
   const StageArguments arguments = impl.arguments_of(sample);
   recording.merge_radius = arguments.merge_radius;
-  recording.heads = impl.download<LightPathHead>(impl.buffers.light_heads_, impl.settings.light_paths);
+  recording.heads = impl.download<LightPathHead>(impl.buffers.light_heads_, impl.plan.light_paths);
   recording.light_vertices = impl.download<PathVertex>(impl.buffers.light_vertices_, vertices);
   if (impl.buffers.splat_film.size() != 0)
     recording.splat_film = film_values(
@@ -332,7 +327,7 @@ void StageRecorder::record_connections(uint32_t sample, ConnectionRecording& rec
   impl.start_wave(&impl.buffers.film);
   impl.run(Pass::Camera, "camera_generate", arguments);
   impl.run(Pass::Camera, "start_media", arguments);
-  for (arguments.bounce = 0; arguments.bounce < impl.settings.max_depth; ++arguments.bounce) {
+  for (arguments.bounce = 0; arguments.bounce < impl.plan.max_depth; ++arguments.bounce) {
     recording.bounces.push_back(impl.record_bounce_connections(arguments));
     if (impl.queue_count(arguments.bounce + 1, QUEUE_RAYS) == 0) break;
   }

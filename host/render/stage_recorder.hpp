@@ -5,11 +5,10 @@
 #include <memory>
 #include <vector>
 
-#include "bvh/bvh.hpp"
 #include "gpu/gpu.hpp"
-#include "render/settings.hpp"
+#include "prepared/prepared_scene.hpp"
+#include "render/plan.hpp"
 #include "render/stages.hpp"
-#include "scene/scene.hpp"
 
 namespace regulus::render {
 
@@ -76,26 +75,30 @@ struct ConnectionRecording {
   std::vector<RecordedConnections> bounces;
 };
 
-/// Records waves, by default with the techniques hit, nee and splat: all stages that walk, of both kinds of
-/// paths.
+/// Techniques of the stages that walk, of both kinds of paths.
+inline constexpr uint32_t WALK_TECHNIQUES =
+    interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT;
+
+/// The plan of a recording by those of `techniques` that the settings ask for, with a light path per pixel.
+Plan plan_recording(const PreparedScene& prepared, RenderSettings settings,
+                    uint32_t techniques = WALK_TECHNIQUES);
+
+/// Records waves.
 class StageRecorder {
  public:
-  /// Scene and bvh as for Renderer. Of the settings' techniques only those of `techniques` are kept.
-  StageRecorder(gpu::Device& device, const scene::Scene& scene, const bvh::Bvh& bvh,
-                const RenderSettings& settings, uint32_t paths,
-                uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE |
-                                      interface::TECHNIQUE_SPLAT);
+  /// @param plan of plan_recording()
+  StageRecorder(gpu::Device& device, const PreparedScene& prepared, const Plan& plan, uint32_t paths);
   ~StageRecorder();
 
-  /// What the kernels were built for: the settings given, with effective techniques.
-  const RenderSettings& settings() const;
+  /// What the kernels were built for.
+  const Plan& plan() const;
 
   /// Runs `paths` paths (of the constructor) from path `first_path` of a sample on. Pass::Camera or
   /// Pass::Light.
   Recording record(Pass pass, uint32_t first_path, uint32_t sample);
 
   /// Records the light paths of the iteration of a sample and what their vertices are sorted into.
-  /// Preconditions: connections and merges are among the techniques, settings().cache_connections is not 0,
+  /// Preconditions: connections and merges are among the techniques, plan().cache_connections is not 0,
   /// and there are as many paths as pixels.
   ConnectionRecording record_light_vertices(uint32_t sample);
 

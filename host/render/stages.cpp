@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <stdexcept>
 #include <string_view>
 
 #include "render/shaders.hpp"
@@ -20,81 +18,49 @@ uint32_t groups_of(uint64_t items) {
 
 }  // namespace
 
-uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings) {
-  uint32_t techniques = settings.techniques;
-  constexpr uint32_t EMITTERS = FEATURE_TRIANGLE_LIGHTS | FEATURE_ENVIRONMENT;  // that rays can meet
-  constexpr uint32_t LIGHTS = EMITTERS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
-  if ((features.bits & LIGHTS) == 0) techniques &= ~(TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES);
-  if ((features.bits & EMITTERS) == 0) techniques &= ~TECHNIQUE_HIT;
-  const bool is_regularized = effective_regularization(features, settings) != REGULARIZATION_NONE;
-  if (!features.has_connectible_surfaces && !is_regularized)
-    techniques &= ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
-  return techniques;
+bool is_needed(const StageStep& step, const Plan& plan) {
+  if (step.techniques != ANY_TECHNIQUE && (plan.techniques & step.techniques) == 0) return false;
+  if (step.needs == Needs::CacheConnections && plan.cache_connections == 0) return false;
+  if (step.needs == Needs::Environment && (plan.features.bits & FEATURE_ENVIRONMENT) == 0) return false;
+  if (step.needs == Needs::VaryingMedia && !plan.features.has_varying_starts) return false;
+  if (step.needs == Needs::Variance && (plan.aovs & AOV_VARIANCE) == 0) return false;
+  if (step.needs == Needs::SurfaceAovs && (plan.aovs & SURFACE_AOVS) == 0) return false;
+  if (step.needs == Needs::SurfaceFootprints && (plan.aovs & AOV_SIGMA) == 0) return false;
+  return step.material_class == ANY_CLASS || (plan.features.material_classes >> step.material_class & 1) != 0;
 }
 
-uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings) {
-  if (std::isinf(settings.tau)) return REGULARIZATION_NONE;
-  // alpha_tau of docs/mathematics.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for
-  // refraction.
-  const float alpha = 1 / std::sqrt(std::numbers::pi_v<float> * settings.tau);
-  const bool is_sharp =
-      features.least_reflection_alpha < 0.5f * alpha || features.least_refraction_alpha < alpha;
-  return is_sharp || settings.bound != BOUND_PEAK ? settings.regularization : REGULARIZATION_NONE;
-}
-
-uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings) {
-  if ((settings.techniques & TECHNIQUE_NEE) == 0) return LIGHT_SAMPLING_POWER;
-  return scene::resolve_light_sampling(settings.light_sampling, scene.lights.size());
-}
-
-void require_merge_radius(const RenderSettings& settings) {
-  if ((settings.techniques & TECHNIQUE_MERGE) != 0 && !(settings.merge_radius > 0))
-    throw std::logic_error("technique merge has no radius");
-}
-
-bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings) {
-  if (step.techniques != ANY_TECHNIQUE && (settings.techniques & step.techniques) == 0) return false;
-  if (step.needs == Needs::CacheConnections && settings.cache_connections == 0) return false;
-  if (step.needs == Needs::Environment && (features.bits & FEATURE_ENVIRONMENT) == 0) return false;
-  if (step.needs == Needs::VaryingMedia && !features.has_varying_starts) return false;
-  if (step.needs == Needs::Variance && (settings.aovs & AOV_VARIANCE) == 0) return false;
-  if (step.needs == Needs::SurfaceAovs && (settings.aovs & SURFACE_AOVS) == 0) return false;
-  if (step.needs == Needs::SurfaceFootprints && (settings.aovs & AOV_SIGMA) == 0) return false;
-  return step.material_class == ANY_CLASS || (features.material_classes >> step.material_class & 1) != 0;
-}
-
-std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
-                                         const RenderSettings& settings) {
+std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan) {
   std::vector<const StageStep*> steps;
   std::vector<gpu::KernelDescription> descriptions;
   for (const StageStep& step : STAGES) {
-    if (step.extent == Extent::Scan || !is_needed(step, features, settings)) continue;
+    if (step.extent == Extent::Scan || !is_needed(step, plan)) continue;
     // What shades whatever it meets needs the most general class.
     const uint32_t material_class = step.pass == Pass::Surface         ? MATERIAL_CLASS_TRANSMISSIVE
                                     : step.material_class == ANY_CLASS ? 0
                                                                        : step.material_class;
     steps.push_back(&step);
-    descriptions.push_back({step.name,
-                            stage_spirv(device, step.shader),
-                            {{SPEC_NDF, settings.ndf},
-                             {SPEC_SHADOWING, settings.shadowing},
-                             {SPEC_MATERIAL_CLASS, material_class},
-                             {SPEC_FEATURES, features.bits},
-                             {SPEC_TECHNIQUES, settings.techniques},
-                             {SPEC_REGULARIZATION, settings.regularization},
-                             {SPEC_BOUND, settings.bound},
-                             {SPEC_MIS, settings.mis},
-                             {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
-                             {SPEC_SAMPLER_QUALITY, settings.sampler_quality},
-                             {SPEC_CLAMP, std::isfinite(settings.largest_contribution) ? 1u : 0u},
-                             {SPEC_CROP, settings.crop.pixels() != 0 ? 1u : 0u},
-                             {SPEC_ENERGY_COMPENSATION, settings.has_energy_compensation ? 1u : 0u},
-                             {SPEC_LIGHT_SAMPLING, settings.light_sampling},
-                             {SPEC_STRATEGIES, settings.has_strategy_images ? 1u : 0u},
-                             {SPEC_FILM_EXPONENT, static_cast<uint32_t>(features.film_exponents.radiance)},
-                             {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(features.film_exponents.squares)},
-                             {SPEC_FILTER, settings.filter},
-                             {SPEC_SAMPLER, settings.sampler}}});
+    descriptions.push_back(
+        {step.name,
+         stage_spirv(device, step.shader),
+         {{SPEC_NDF, plan.ndf},
+          {SPEC_SHADOWING, plan.shadowing},
+          {SPEC_MATERIAL_CLASS, material_class},
+          {SPEC_FEATURES, plan.features.bits},
+          {SPEC_TECHNIQUES, plan.techniques},
+          {SPEC_REGULARIZATION, plan.regularization},
+          {SPEC_BOUND, plan.bound},
+          {SPEC_MIS, plan.mis},
+          {SPEC_WALK, step.pass == Pass::Light ? WALK_LIGHT : WALK_CAMERA},
+          {SPEC_SAMPLER_QUALITY, plan.sampler_quality},
+          {SPEC_CLAMP, std::isfinite(plan.largest_contribution) ? 1u : 0u},
+          {SPEC_CROP, plan.crop.pixels() != 0 ? 1u : 0u},
+          {SPEC_ENERGY_COMPENSATION, plan.has_energy_compensation ? 1u : 0u},
+          {SPEC_LIGHT_SAMPLING, plan.light_sampling},
+          {SPEC_STRATEGIES, plan.has_strategy_images ? 1u : 0u},
+          {SPEC_FILM_EXPONENT, static_cast<uint32_t>(plan.features.film_exponents.radiance)},
+          {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(plan.features.film_exponents.squares)},
+          {SPEC_FILTER, plan.filter},
+          {SPEC_SAMPLER, plan.sampler}}});
   }
   std::vector<gpu::Kernel> kernels = device.create_kernels(descriptions);
   std::vector<PipelineStep> pipeline;

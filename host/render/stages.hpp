@@ -8,8 +8,7 @@
 #include <vector>
 
 #include "gpu/gpu.hpp"
-#include "render/settings.hpp"
-#include "scene/scene.hpp"
+#include "render/plan.hpp"
 
 namespace regulus::render {
 
@@ -124,28 +123,11 @@ struct PipelineStep {
   gpu::Kernel kernel;
 };
 
-/// The techniques that can contribute to an image of the scene: without those that need what it lacks
-/// (emitters that can be hit, lights at all, surfaces that are not perfectly specular).
-uint32_t effective_techniques(const scene::Features& features, const RenderSettings& settings);
-
-/// REGULARIZATION_* bits of the settings, or REGULARIZATION_NONE if no lobe of the scene is sharper than what
-/// tau allows (known for BOUND_PEAK alone, whose alpha does not depend on directions).
-uint32_t effective_regularization(const scene::Features& features, const RenderSettings& settings);
-
-/// How `nee` chooses among the scene's lights: scene::resolve_light_sampling() for settings whose techniques
-/// are effective ones.
-uint32_t effective_light_sampling(const scene::Scene& scene, const RenderSettings& settings);
-
-/// Settings whose techniques are effective ones have a radius if they merge; std::logic_error if not.
-void require_merge_radius(const RenderSettings& settings);
-
-/// True if the step runs for a scene with these features under these settings, whose techniques are effective
-/// ones.
-bool is_needed(const StageStep& step, const scene::Features& features, const RenderSettings& settings);
+/// True if the step runs under the plan.
+bool is_needed(const StageStep& step, const Plan& plan);
 
 /// Compiles the steps of STAGES that are needed, but for scans (render/scan.hpp).
-std::vector<PipelineStep> build_pipeline(gpu::Device& device, const scene::Features& features,
-                                         const RenderSettings& settings);
+std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan);
 
 /// Records a dispatch of a step over its queue of the bounce, with the exact count that `queue_heads` hold.
 void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry,

@@ -34,14 +34,14 @@ bool has_shader(const PipelineStep& entry, std::string_view shader) {
 }  // namespace
 
 WaveCore::WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
-                   const WavefrontBuffers& buffers, const RenderSettings& settings)
+                   const WavefrontBuffers& buffers, const Plan& plan)
     : device_(device),
       work_(work),
       pipeline_(pipeline),
       buffers_(buffers),
-      max_depth_(settings.max_depth),
-      connections_(pairs_per_path(settings)),
-      has_merges_((settings.techniques & TECHNIQUE_MERGE) != 0) {}
+      max_depth_(plan.max_depth),
+      connections_(pairs_per_path(plan)),
+      has_merges_((plan.techniques & TECHNIQUE_MERGE) != 0) {}
 
 uint64_t WaveCore::most_paths(uint64_t reach) {
   return std::max<uint64_t>(UINT32_MAX / std::max<uint64_t>(units_of(reach), 1), 1);

@@ -21,7 +21,7 @@ class WaveCore {
  public:
   /// All must outlive the object.
   WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
-           const WavefrontBuffers& buffers, const RenderSettings& settings);
+           const WavefrontBuffers& buffers, const Plan& plan);
 
   /// Runs all steps of a light or camera pass over arguments.wave_paths paths. `reach`: most light vertices
   /// that one camera vertex may look at in a merge. False if the wave was not recorded to its end because the

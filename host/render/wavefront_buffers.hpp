@@ -7,41 +7,25 @@
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
 #include "render/device_scene.hpp"
-#include "render/settings.hpp"
+#include "render/plan.hpp"
 
 namespace regulus::render {
 
-/// Where a renderer gets light vertices from: each wave has its own (`is_per_wave`), or all light paths of an
-/// iteration are walked before its camera paths (always for a crop, which all light paths concern).
-struct LightVertexPlan {
-  bool is_per_wave = true;
-  bool has_vertices = false;  ///< connections or merges are enabled
-  bool has_merges = false;
-  bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
-  bool has_footprints = false;  ///< path diffusion without light subpaths, or its AOV: one beside each path
-  bool has_receivers = false;   ///< `hit` weighs against lights that `nee` chooses by the tree
-  bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
-};
-
-/// The plan for settings whose techniques are effective ones.
-LightVertexPlan plan_light_vertices(const RenderSettings& settings);
-
 /// Most connections of one path in a bounce.
-uint64_t pairs_per_path(const RenderSettings& settings);
+uint64_t pairs_per_path(const Plan& plan);
 
 /// Most path slots on a device whose dispatches run so many groups and whose allocations hold so many bytes:
-/// no queue holds more items than one dispatch may run, no array is larger than one allocation. Settings as
-/// for plan_light_vertices.
-uint64_t most_paths(const RenderSettings& settings, uint64_t most_groups, uint64_t most_bytes);
+/// no queue holds more items than one dispatch may run, no array is larger than one allocation.
+uint64_t most_paths(const Plan& plan, uint64_t most_groups, uint64_t most_bytes);
 
 /// Device bytes of one path slot, over all queues.
-uint64_t bytes_per_path(const RenderSettings& settings, const DeviceScene& scene);
+uint64_t bytes_per_path(const Plan& plan);
 
 class WavefrontBuffers {
  public:
-  /// Allocates for `capacity` path slots. Settings as for plan_light_vertices.
+  /// Allocates for `capacity` path slots.
   WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const interface::Camera& camera,
-                   const RenderSettings& settings, uint32_t capacity);
+                   const Plan& plan, uint32_t capacity);
 
   /// Makes room for at least `vertices` light vertices; what was stored is lost. No submission may be in
   /// flight.
@@ -64,12 +48,12 @@ class WavefrontBuffers {
 
  private:
   friend class StageRecorder;  // reads the queues between stages
-  void create_path_buffers(gpu::Device& device, const RenderSettings& settings, bool has_environment);
-  void create_media_buffers(gpu::Device& device, const RenderSettings& settings);
-  void create_strategy_buffers(gpu::Device& device, const RenderSettings& settings);
-  void create_light_buffers(gpu::Device& device, const RenderSettings& settings);
+  void create_path_buffers(gpu::Device& device, const Plan& plan);
+  void create_media_buffers(gpu::Device& device, const Plan& plan);
+  void create_strategy_buffers(gpu::Device& device, const Plan& plan);
+  void create_light_buffers(gpu::Device& device, const Plan& plan);
 
-  LightVertexPlan plan_;
+  LightVertexPlan vertex_plan_;
   interface::Frame frame_ {};
   gpu::Buffer frame_buffer_;
   gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
@@ -78,7 +62,6 @@ class WavefrontBuffers {
       candidate_strategies_, splat_strategies_, light_vertex_sharp_, light_receivers_, path_histories_,
       camera_vertex_histories_, light_vertex_histories_, path_media_, camera_vertex_media_,
       light_vertex_media_, candidate_media_, splat_media_;
-  bool has_contacts_ = false;
 };
 
 }  // namespace regulus::render

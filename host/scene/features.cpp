@@ -191,6 +191,12 @@ std::span<const FeatureDescription> feature_descriptions() {
   return DESCRIPTIONS;
 }
 
+bool has_blended_surfaces(const Scene& scene) {
+  return std::ranges::any_of(scene.triangles, [&](const interface::Triangle& triangle) {
+    return (scene.materials[triangle.material].flags & interface::MATERIAL_ALPHA_BLEND) != 0;
+  });
+}
+
 Features find_features(const Scene& scene) {
   Features features;
   std::vector<bool> is_used(scene.materials.size(), false);

@@ -179,6 +179,9 @@ void reorder_triangles(Scene& scene, const std::vector<uint32_t>& order);
 /// warning.
 void build_lights(Scene& scene);
 
+/// Film size where none is given: the scene's resolution, else 1280 wide at the camera's aspect.
+glm::uvec2 default_film_size(const Scene& scene, uint32_t camera);
+
 /// The camera for a film of width x height pixels. The frame that the camera's aspect ratio gives is never
 /// cut: a wider film sees more to the sides, a narrower one more above and below. Without an aspect ratio the
 /// vertical field of view is kept.
@@ -209,5 +212,9 @@ struct Features {
   FilmExponents film_exponents;  ///< the scene's
 };
 Features find_features(const Scene& scene);
+
+/// True if a surface is blended: rays decide by their bits whether they meet it, which the scalar reference's
+/// own rays do not share.
+bool has_blended_surfaces(const Scene& scene);
 
 }  // namespace regulus::scene

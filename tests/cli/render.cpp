@@ -78,6 +78,35 @@ TEST_F(Render, WritesPictureMetadataAndPreview) {
   EXPECT_EQ(start.substr(0, 8), "\x89PNG\r\n\x1a\n");
 }
 
+// A diffuse quad under a point light: no ray can meet the light, and nothing is there to be regularized.
+// Header and statistics of both backends say what was done, what was asked for, and why the rest was not
+// done.
+TEST_F(Render, RecordsWhatWasDoneAndWhatWasDropped) {
+  for (const char* backend : {"vulkan", "reference"}) {
+    const Finished finished = run({"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "--backend",
+                                   backend, "--stats", stats()});
+    ASSERT_EQ(finished.status, 0) << finished.err;
+    image::Attributes attributes;
+    image::read_exr(exr(), &attributes);
+    EXPECT_EQ(attributes["regulus:techniques"], "[\"nee\"]") << backend;
+    EXPECT_EQ(attributes["regulus:asked_techniques"], "[\"hit\",\"nee\"]");
+    EXPECT_EQ(attributes["regulus:regularization"], "none");
+    EXPECT_EQ(attributes["regulus:asked_regularization"], "null") << "left to the plan";
+    EXPECT_EQ(attributes["regulus:light_sampling"], "power");
+    EXPECT_EQ(attributes["regulus:asked_light_sampling"], "auto");
+    EXPECT_EQ(
+        attributes["regulus:dropped"],
+        "regularization: no surface has a microfacet lobe; technique hit: the scene has no emitter that "
+        "a ray can meet");
+  }
+  ASSERT_EQ(run({"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "--stats", stats()}).status, 0);
+  const json s = read_stats();
+  EXPECT_EQ(s.at("settings").at("regularization"), "none");
+  EXPECT_EQ(s.at("asked").at("techniques"), json({"hit", "nee"}));
+  EXPECT_TRUE(s.at("asked").at("regularization").is_null());
+  EXPECT_EQ(s.at("dropped").size(), 2u);
+}
+
 TEST_F(Render, SameCommandTwiceGivesTheSamePixels) {
   const std::string again = (folder_ / "again.exr").string();
   ASSERT_EQ(run({"render", gltf(), "-o", exr(), "--size", "12x8", "-s", "3"}).status, 0);

@@ -153,8 +153,8 @@ TEST_F(Usage, MistypedNamesGetNearOnes) {
   expect_error(render({"--max-deph=3"}), 2, {"--max-deph", "did you mean --max-depth?"});
   expect_error(render({"--xyzzy"}), 2, {"--xyzzy is not an option"});
   expect_error(render({"-i", "vmc"}), 2, {"--integrator", "\"vmc\" is not one of", "did you mean vcm?"});
-  expect_error(render({"--ndf", "gxg"}), 2, {"--ndf", "beckmann, cosine, ggx", "did you mean ggx?"});
-  expect_error(render({"--ndf", "1"}), 2, {"--ndf", "beckmann, cosine, ggx"});
+  expect_error(render({"--ndf", "gxg"}), 2, {"--ndf", "ggx, beckmann, cosine", "did you mean ggx?"});
+  expect_error(render({"--ndf", "1"}), 2, {"--ndf", "ggx, beckmann, cosine"});
   expect_error(render({"--techniques", "hit,conect"}), 2, {"conect", "did you mean connect?"});
   expect_error(render({"--aov", "albedo,Sigma"}), 2, {"Sigma", "did you mean sigma?"});
   expect_error(render({"--aov", "beauty"}), 2, {"beauty", ", sigma"});

@@ -144,7 +144,7 @@ class Sigma : public Aovs {
     const PreparedScene prepared = prepare(scene);
     render::RenderSettings settings = point_sampled(SIDE, SIDE, 8);
     settings.aovs = render::AOV_SIGMA;
-    render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+    render::Renderer renderer(*device(), prepared, make_plan(prepared, settings));
     image::Channels channels;
     render::add_sigma_channels(renderer.surface_footprints(), channels);
     const size_t middle = SIDE * SIDE / 2;
@@ -228,7 +228,7 @@ TEST_F(Aovs, VarianceIsTheSpreadOfIndependentRenders) {
     double stated = 0, stated_noise = 0, known_noise = 0;
     for (uint32_t i = 0; i < RENDERS; ++i) {
       settings.seed = 100 + i;
-      render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+      render::Renderer renderer(*device(), prepared, make_plan(prepared, settings));
       render::NoiseEstimate noise;
       renderer.render([&](uint64_t, uint64_t) {
         noise.observe(renderer.film());

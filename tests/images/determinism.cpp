@@ -129,7 +129,7 @@ TEST_F(Determinism, SampleRangesAddUpToTheWhole) {
 TEST_F(Determinism, AStoppedRenderHoldsWholeSamplesOfTheFirstPixels) {
   RenderSettings waves = settings();
   waves.wave_paths = 1024;
-  render::Renderer renderer(*device(), cornell_->scene, cornell_->bvh, waves);
+  render::Renderer renderer(*device(), *cornell_, make_plan(*cornell_, waves));
   renderer.render([](uint64_t done, uint64_t) { return done < 4096; });
   const render::Film& film = renderer.film();
   ASSERT_GE(film.paths, 4096u);
@@ -205,16 +205,16 @@ TEST_F(Determinism, AResumedRenderIsTheUninterruptedOne) {
     settings.light_paths = 6000;
     const Rendered whole = render(scene, settings);
 
-    render::Renderer first(*device(), scene.scene, scene.bvh, settings);
+    render::Renderer first(*device(), scene, make_plan(scene, settings));
     uint64_t waves = 0;
     first.render([&](uint64_t, uint64_t) { return ++waves < each.waves; });
     const render::Film state = first.film();
     std::printf("techniques %u stopped after %llu paths, %llu light paths\n", each.techniques,
                 static_cast<unsigned long long>(state.paths),
                 static_cast<unsigned long long>(state.light_paths));
-    EXPECT_TRUE(state.paths % (48 * 40) != 0 || state.light_paths % settings.light_paths != 0)
+    EXPECT_TRUE(state.paths % (48 * 40) != 0 || state.light_paths % *settings.light_paths != 0)
         << "no mid-sample";
-    render::Renderer second(*device(), scene.scene, scene.bvh, settings);
+    render::Renderer second(*device(), scene, make_plan(scene, settings));
     second.resume(state);
     second.render([](uint64_t, uint64_t) { return true; });
     EXPECT_EQ(second.film().paths, whole.film.paths);

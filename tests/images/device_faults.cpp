@@ -31,7 +31,7 @@ class DeviceFaults : public testing::Test {
   void TearDown() override { gpu::faults() = {}; }
 
   std::vector<float> render_on(gpu::Device& device) const {
-    render::Renderer renderer(device, prepared_.scene, prepared_.bvh, settings_);
+    render::Renderer renderer(device, prepared_, make_plan(prepared_, settings_));
     renderer.render([](uint64_t, uint64_t) { return true; });
     return resolve(renderer.film()).rgb;
   }

@@ -211,7 +211,7 @@ TEST_F(Environment, DirectionsFollowTheMap) {
   constexpr uint32_t SIDE = 256;
   RenderSettings settings = box_filtered(SIDE, SIDE, 1, 2);
   settings.techniques = TECHNIQUE_SPLAT;
-  render::StageRecorder recorder(*device(), scene.scene, scene.bvh, settings, SIDE * SIDE);
+  render::StageRecorder recorder(*device(), scene, plan_recording(scene, settings), SIDE * SIDE);
   const render::Recording recording = recorder.record(render::Pass::Light, 0, 7);
 
   const std::vector<double> probability = map.cells();

@@ -96,7 +96,7 @@ TEST_F(FilmRange, SumsThatAreTooLargeAreCountedAndSoAreTheirSquares) {
   render::RenderSettings settings = box_filtered(SIZE, SIZE, 5, 2);
   settings.aovs = render::AOV_VARIANCE;
   const Rendered right = render(prepared, settings);
-  prepared.scene.film_exponents = {};
+  prepared.scene.film_exponents = prepared.features.film_exponents = {};
   const Rendered found = render(prepared, settings);
   size_t saturated = 0, exactly_full = 0;  // the latter saturate by a rounding or not
   for (size_t i = 0; i < right.image.rgb.size(); ++i) {

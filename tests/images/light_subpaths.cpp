@@ -260,7 +260,7 @@ TEST_F(LightSubpaths, StrategyImagesSumToThePicture) {
   settings.techniques = VCM;
   settings.merge_radius = 0.1f;
   settings.has_strategy_images = true;
-  render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+  render::Renderer renderer(*device(), prepared, make_plan(prepared, settings));
   renderer.render([](uint64_t, uint64_t) { return true; });
   const image::Image whole = resolve(renderer.film());
   std::vector<double> sum(whole.rgb.size());

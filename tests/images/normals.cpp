@@ -28,7 +28,7 @@ class Normals : public testing::Test {
 };
 
 image::Image by_reference(const PreparedScene& scene, const render::RenderSettings& settings) {
-  return check::render_with_reference(scene.scene, scene.bvh, settings,
+  return check::render_with_reference(scene, make_plan(scene, settings),
                                       [](uint64_t, uint64_t) { return true; })
       .image;
 }
@@ -124,7 +124,7 @@ TEST_F(Normals, TheTerminatorOfACoarseBallIsSmooth) {
   built.set_orthographic(look_at({0, 0, 5}, {0, 0, 0}), HALF, HALF);
   const PreparedScene scene = prepare(built);
   render::RenderSettings settings = point_sampled(64, 64, 2);
-  const reference::World world(scene.scene, scene.bvh);
+  const reference::World world(scene);
   const image::Image images[] = {render(scene, settings).image, by_reference(scene, settings)};
   for (const image::Image& image : images) {
     size_t seen = 0, off = 0, dark = 0;

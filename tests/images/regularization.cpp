@@ -49,7 +49,7 @@ class Mirrors : public Regularization {
     RenderSettings settings = box_filtered(16, 16, is_slow_device() ? samples / 4 : samples, 12);
     settings.techniques = techniques;
     settings = regularized(settings, mis, tau_of_mirrors(alpha));
-    settings.regularization |= kind;
+    *settings.regularization |= kind;
     const double mean = mean_of(render(scene_, settings).image)[0];
     std::printf("techniques %2u, weights %u, alpha^ %.3f: %.4f of the truth\n", techniques, mis, alpha,
                 mean / expected_);
@@ -159,7 +159,7 @@ TEST_F(Regularization, ConsistentModeApproachesTheTruth) {
   for (const uint32_t techniques : {PT, BPT}) {
     settings.techniques = techniques;
     RenderSettings consistent = regularized(settings, MIS_BLENDED, 400);
-    consistent.regularization |= REGULARIZATION_CONSISTENT;
+    *consistent.regularization |= REGULARIZATION_CONSISTENT;
     const double mean = mean_of(render(prepared, consistent).image)[0];
     std::printf("techniques %u: %.4f of path tracing\n", techniques, mean / truth);
     EXPECT_NEAR(mean / truth, 1, 0.01);
@@ -185,7 +185,7 @@ TEST_F(Regularization, MixturesKeepTheEnergyOfAGlossyRoom) {
     settings.techniques = techniques;
     RenderSettings mixed = regularized(settings, MIS_BLENDED, 20);
     mixed.sampler_quality = quality;
-    mixed.regularization |= kind;
+    *mixed.regularization |= kind;
     const double ratio = mean_of(render(prepared, mixed).image)[0] / truth;
     std::printf("techniques %u, sampler quality %u, kind %u: %.4f of the truth\n", techniques, quality, kind,
                 ratio);

@@ -109,7 +109,7 @@ TEST_F(PointLight, TheErrorOfConsistentModeFalls) {
     double squares = 0;
     for (uint32_t run = 0; run < RUNS; ++run) {
       RenderSettings settings = raised_to(box_filtered(32, 32, samples, 3), 0.4);
-      settings.regularization |= schedule;
+      *settings.regularization |= schedule;
       settings.seed = run + 1;
       const double difference = reflected(settings) - 1;
       squares += difference * difference / RUNS;

@@ -59,7 +59,7 @@ PreparedScene overdraw() {
 TEST_F(Submissions, OfDeepPathsAreBoundedAndEndWhenCancelled) {
   const PreparedScene scene = overdraw();
   const RenderSettings settings = settings_of(64, BPT, 128);
-  render::Renderer renderer(*device(), scene.scene, scene.bvh, settings);
+  render::Renderer renderer(*device(), scene, make_plan(scene, settings));
   uint64_t asked = 0, begun = 0;
   renderer.render([](uint64_t, uint64_t) { return true; },
                   [&] {
@@ -106,7 +106,7 @@ TEST_F(Submissions, OfACancelledRenderLeaveWholeWaves) {
   settings.wave_paths = 256;
   settings.keeps_doublings = true;  // the film's last state is then at most half as far
   const Rendered whole = render(scene, settings);
-  render::Renderer first(*device(), scene.scene, scene.bvh, settings);
+  render::Renderer first(*device(), scene, make_plan(scene, settings));
   uint64_t asked = 0;
   const uint64_t half = whole.statistics.submissions.count / 2;
   first.render([](uint64_t, uint64_t) { return true; }, [&] { return ++asked >= half; });
@@ -116,7 +116,7 @@ TEST_F(Submissions, OfACancelledRenderLeaveWholeWaves) {
               static_cast<unsigned long long>(first.film().paths));
   EXPECT_GT(first.film().paths, 0u);
   EXPECT_LT(first.film().paths, whole.film.paths);
-  render::Renderer second(*device(), scene.scene, scene.bvh, settings);
+  render::Renderer second(*device(), scene, make_plan(scene, settings));
   second.resume(first.film());
   second.render([](uint64_t, uint64_t) { return true; });
   EXPECT_TRUE(second.film().words == whole.film.words);

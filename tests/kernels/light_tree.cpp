@@ -80,7 +80,7 @@ bool reaches(const reference::World& world, const Receiver& receiver, uint32_t l
 
 class LightTree : public testing::Test {
  protected:
-  LightTree() : prepared_(prepare(scene_of_lamps(1000))), world_(prepared_.scene, prepared_.bvh) {}
+  LightTree() : prepared_(prepare(scene_of_lamps(1000))), world_(prepared_) {}
 
   uint32_t light_count() const { return static_cast<uint32_t>(prepared_.scene.lights.size()); }
 

@@ -28,13 +28,13 @@ class Checked {
   explicit Checked(PreparedScene prepared) : Checked(std::move(prepared), settings()) {}
   Checked(PreparedScene prepared, const render::RenderSettings& settings)
       : prepared_(std::move(prepared)),
-        world_(prepared_.scene, prepared_.bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
                settings.has_energy_compensation),
-        recorder_(*device(), prepared_.scene, prepared_.bvh, settings, SIZE * SIZE),
+        recorder_(*device(), prepared_, plan_recording(prepared_, settings), SIZE * SIZE),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
     reference_.width = reference_.height = SIZE;
-    reference_.max_depth = recorder_.settings().max_depth;
-    reference_.techniques = recorder_.settings().techniques;
+    reference_.max_depth = recorder_.plan().max_depth;
+    reference_.techniques = recorder_.plan().techniques;
     reference_.filter = {FILTER_BOX, 0.5, 0};
   }
 
@@ -42,16 +42,12 @@ class Checked {
   std::vector<Tally> check(Pass pass, const Recording& recording) const {
     return check_stages(subject(), pass, recording);
   }
-  bool has_blended_surfaces() const {
-    for (const Material& material : prepared_.scene.materials)
-      if ((material.flags & MATERIAL_ALPHA_BLEND) != 0) return true;
-    return false;
-  }
+  bool has_blended_surfaces() const { return scene::has_blended_surfaces(prepared_.scene); }
   std::vector<Tally> paths(const Recording& recording) const { return check_paths(subject(), recording); }
 
   /// Path-traced images of both, by pixels, of paths of so many edges in the reference.
   std::vector<check::ImageTest> statistics(uint32_t reference_depth) const {
-    render::RenderSettings asked = recorder_.settings();
+    render::RenderSettings asked = recorder_.plan().asked;
     asked.width = asked.height = 12;
     asked.samples = 4;
     asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
@@ -60,8 +56,9 @@ class Checked {
     wanted.samples = 4;
     wanted.techniques = asked.techniques;
     wanted.max_depth = reference_depth;
-    return check::check_statistics(
-        *device(), {prepared_.scene, prepared_.bvh, world_, camera_, asked, wanted}, 9, std::nullopt, 1e-5);
+    const render::Plan plan = make_plan(prepared_, asked);
+    return check::check_statistics(*device(), {prepared_, world_, camera_, plan, wanted}, 9, std::nullopt,
+                                   1e-5);
   }
   uint32_t max_depth() const { return reference_.max_depth; }
 
@@ -77,9 +74,7 @@ class Checked {
  private:
   static constexpr uint32_t SIZE = 48;
 
-  check::Subject subject() const {
-    return {prepared_.scene, prepared_.bvh, world_, camera_, recorder_.settings(), reference_};
-  }
+  check::Subject subject() const { return {prepared_, world_, camera_, recorder_.plan(), reference_}; }
 
   PreparedScene prepared_;
   reference::World world_;
@@ -145,6 +140,7 @@ TEST(DeviceStagesPlanesAndRanges, AgreeWithTheReference) {
   prepared.scene.cameras[0].z_near = 1.3F;
   prepared.scene.cameras[0].z_far = 2.9F;
   for (Light& light : prepared.scene.lights) light.area = 1.1F;
+  prepared.features = find_features(prepared.scene);
   Checked checked(std::move(prepared));
   expect_agreement(checked);
 }
@@ -276,11 +272,12 @@ class CheckedConnections {
  public:
   CheckedConnections(PreparedScene prepared, const render::RenderSettings& settings)
       : prepared_(std::move(prepared)),
-        world_(prepared_.scene, prepared_.bvh, settings.ndf, settings.shadowing, settings.light_sampling,
+        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
                settings.has_energy_compensation),
-        recorder_(*device(), prepared_.scene, prepared_.bvh, settings, SIZE * SIZE, settings.techniques),
+        recorder_(*device(), prepared_, plan_recording(prepared_, settings, settings.techniques),
+                  SIZE * SIZE),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE),
-        reference_(check::reference_settings(recorder_.settings())) {}
+        reference_(check::reference_settings(recorder_.plan())) {}
 
   /// A narrow bound `tau` and wide merges make much of what regularization does.
   static render::RenderSettings settings(uint32_t regularization, float tau = 20) {
@@ -291,6 +288,7 @@ class CheckedConnections {
     result.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | render::LIGHT_SUBPATH_TECHNIQUES;
     result.cache_connections = 2;
     result.merge_radius = 0.02F;
+    result.keeps_merge_radius = true;
     result.regularization = regularization;
     result.tau = tau;
     return result;
@@ -302,8 +300,7 @@ class CheckedConnections {
     return recording;
   }
   std::vector<Tally> check(const render::ConnectionRecording& recording) const {
-    const check::Subject subject{prepared_.scene, prepared_.bvh,        world_,
-                                 camera_,         recorder_.settings(), reference_};
+    const check::Subject subject{prepared_, world_, camera_, recorder_.plan(), reference_};
     std::vector<Tally> tallies = check_sorting(subject, recording);
     for (const Tally& tally : check_connections(subject, SAMPLE, recording)) tallies.push_back(tally);
     return tallies;
@@ -479,9 +476,9 @@ TEST(DeviceConnections, VerticesBehindTheirShadingNormalAreStored) {
   settings.techniques = TECHNIQUES;
   settings.cache_connections = 1;
   settings.merge_radius = 0.1F;
-  render::StageRecorder recorder(*device(), prepared.scene, prepared.bvh, settings, PATHS, TECHNIQUES);
+  render::StageRecorder recorder(*device(), prepared, plan_recording(prepared, settings, TECHNIQUES), PATHS);
   const size_t stored = recorder.record_light_vertices(0).light_vertices.size();
-  const reference::World world(prepared.scene, prepared.bvh);
+  const reference::World world(prepared);
   reference::Settings wanted;
   wanted.width = wanted.height = 16;
   wanted.max_depth = 2;

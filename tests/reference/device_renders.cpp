@@ -36,7 +36,7 @@ TEST(DeviceRenders, CropsAndClampsAreTheReferences) {
   for (const float largest : {std::numeric_limits<float>::infinity(), 0.05F}) {
     asked.largest_contribution = largest;
     const image::Image found = render(prepared, asked).image;
-    const auto wanted = check::render_with_reference(prepared.scene, prepared.bvh, asked,
+    const auto wanted = check::render_with_reference(prepared, make_plan(prepared, asked),
                                                      [](uint64_t, uint64_t) { return true; });
     ASSERT_EQ(found.rgb.size(), wanted.image.rgb.size());
     EXPECT_LT(share_of_differences(found.rgb, wanted.image.rgb), 0.02) << "clamped to " << largest;
@@ -54,7 +54,7 @@ TEST(DeviceRenders, EveryTextureReadsItsOwnSetOfCoordinates) {
   asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
   const image::Image found = render(prepared, asked).image;
   const image::Image wanted =
-      check::render_with_reference(prepared.scene, prepared.bvh, asked, [](uint64_t, uint64_t) {
+      check::render_with_reference(prepared, make_plan(prepared, asked), [](uint64_t, uint64_t) {
         return true;
       }).image;
   constexpr const char* LIT[] = {".###", ".#..", "#...", "#.##"};
@@ -82,7 +82,7 @@ TEST(DeviceRenders, DimAndBrightRoomsFarAwayAreTheReferences) {
     asked.aovs = render::AOV_POSITION;
     const image::Channels positions = surface_channels(prepared, asked);
     image::Image found = render(prepared, asked).image;
-    auto wanted = check::render_with_reference(prepared.scene, prepared.bvh, asked,
+    auto wanted = check::render_with_reference(prepared, make_plan(prepared, asked),
                                                [](uint64_t, uint64_t) { return true; });
     double mean = 0;
     for (std::vector<float>* values : {&found.rgb, &wanted.image.rgb})
@@ -108,7 +108,7 @@ TEST(DeviceRenders, AovsAreTheReferences) {
   asked.aovs = render::SURFACE_AOVS;
   const image::Channels found = surface_channels(prepared, asked);
   const image::Channels wanted =
-      check::render_with_reference(prepared.scene, prepared.bvh, asked, [](uint64_t, uint64_t) {
+      check::render_with_reference(prepared, make_plan(prepared, asked), [](uint64_t, uint64_t) {
         return true;
       }).channels;
   ASSERT_EQ(found.size(), wanted.size());

@@ -19,8 +19,7 @@ using reference::SeenSurfaces;
 
 SeenSurfaces seen_in(const GltfScene& gltf, uint32_t width = 64, uint32_t height = 64) {
   const PreparedScene prepared = prepare(gltf);
-  return see_surfaces(reference::World(prepared.scene, prepared.bvh), prepared.scene.cameras.front(), width,
-                      height);
+  return see_surfaces(reference::World(prepared), prepared.scene.cameras.front(), width, height);
 }
 
 /// A wall of 20 m in the plane z = 0, seen from +z.
@@ -109,7 +108,7 @@ TEST(MergeRadius, IsBoundedByWhatIsSeen) {
 // errors of the difference.
 void expect_merging_agrees(const char* name, uint32_t stream, uint32_t samples) {
   const PreparedScene prepared = prepare(own_scenes() / "outdoors" / name);
-  const reference::World world(prepared.scene, prepared.bvh);
+  const reference::World world(prepared);
   const SeenSurfaces seen = see_surfaces(world, prepared.scene.cameras.front(), 384, 256);
   const auto measure = [&](uint32_t techniques, double radius, uint32_t number) {
     constexpr int BATCHES = 8;
@@ -143,7 +142,7 @@ void expect_merging_agrees(const char* name, uint32_t stream, uint32_t samples) 
 TEST(MergeRadius, SealedHutsStayDark) {
   const PreparedScene prepared =
       prepare(own_scenes().parent_path() / "tests" / "cases" / "sealed-hut-large-ground" / "c32b.gltf");
-  const reference::World world(prepared.scene, prepared.bvh);
+  const reference::World world(prepared);
   reference::Settings settings = reference_settings(12, 12, 8, 8);
   settings.techniques = VCM;
   settings.merge_radius =

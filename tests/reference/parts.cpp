@@ -110,9 +110,9 @@ class ReferenceLights : public testing::Test {
     scene.set_perspective(test::look_at({0, 3, 5}, {0, 0, 0}), 0.8);
     return scene;
   }
-  ReferenceLights() : prepared_(test::prepare(scene_with_lights())), world_(prepared_.scene, prepared_.bvh) {}
+  ReferenceLights() : prepared_(test::prepare(scene_with_lights())), world_(prepared_) {}
 
-  test::PreparedScene prepared_;
+  PreparedScene prepared_;
   World world_;
 };
 
@@ -166,8 +166,8 @@ TEST(ReferencePaths, FullContributionIsTheWalksThroughput) {
   scene.add(test::box({-0.6, -0.9, -0.6}, {-0.1, -0.2, 0}), test::glass(1.5, 0, {0.3, 0.6, 0.9}));
   scene.add(test::box({0.1, -0.9, -0.6}, {0.6, -0.2, 0}), test::glass(1.5, 0.5));
   scene.set_perspective(test::look_at({0, 0.1, 0.95}, {0, -0.3, -1}), 1.2);
-  const test::PreparedScene prepared = test::prepare(scene);
-  const World world(prepared.scene, prepared.bvh);
+  const PreparedScene prepared = test::prepare(scene);
+  const World world(prepared);
   Settings settings = test::reference_settings(32, 32, 1, 12);
   settings.techniques = interface::TECHNIQUE_HIT;
   const Camera camera(scene::make_camera(prepared.scene.cameras[0], 32, 32), 32, 32);
@@ -208,8 +208,8 @@ TEST(ReferencePaths, NothingArrivesAlongASurface) {
 // densities as the same vertices found by connecting one edge earlier.
 TEST(ReferencePaths, TechniquesDoNotDependOnHowThePathWasFound) {
   const std::filesystem::path file = test::own_scenes() / "cornell" / "cornell.gltf";
-  const test::PreparedScene prepared = test::prepare(file);
-  const World world(prepared.scene, prepared.bvh);
+  const PreparedScene prepared = test::prepare(file);
+  const World world(prepared);
   Settings settings = test::reference_settings(32, 32, 1, 8);
   settings.merge_radius = 0.01;
   const Camera camera(scene::make_camera(prepared.scene.cameras[0], 32, 32), 32, 32);

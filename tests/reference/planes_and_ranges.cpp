@@ -19,7 +19,7 @@ using namespace interface;
 /// Pictures by both backends.
 std::vector<image::Image> by_both(const PreparedScene& prepared, const render::RenderSettings& settings) {
   return {render(prepared, settings).image,
-          check::render_with_reference(prepared.scene, prepared.bvh, settings, [](uint64_t, uint64_t) {
+          check::render_with_reference(prepared, make_plan(prepared, settings), [](uint64_t, uint64_t) {
             return true;
           }).image};
 }
@@ -42,6 +42,7 @@ PreparedScene three_emitters(bool is_orthographic, float nearest, float farthest
   PreparedScene prepared = prepare(scene);
   prepared.scene.cameras[0].z_near = nearest;
   prepared.scene.cameras[0].z_far = farthest;
+  prepared.features = find_features(prepared.scene);
   return prepared;
 }
 
@@ -86,6 +87,7 @@ PreparedScene cut_room() {
   PreparedScene prepared = prepare(scene);
   prepared.scene.cameras = {prepared.scene.cameras.back()};  // not the room's own
   prepared.scene.cameras[0].z_near = 2.6F;                   // the front wall is at depth 2.5
+  prepared.features = find_features(prepared.scene);
   return prepared;
 }
 
@@ -110,7 +112,7 @@ TEST_F(PlanesAndRanges, AovsAreCutToo) {
   const PreparedScene prepared = three_emitters(false, 1.5F, 100);
   for (const image::Channels& channels :
        {surface_channels(prepared, settings),
-        check::render_with_reference(prepared.scene, prepared.bvh, settings, [](uint64_t, uint64_t) {
+        check::render_with_reference(prepared, make_plan(prepared, settings), [](uint64_t, uint64_t) {
           return true;
         }).channels})
     for (const float depth : std::get<std::vector<float>>(channels.at("Z"))) EXPECT_NEAR(depth, 2, 1e-5);
@@ -127,6 +129,7 @@ PreparedScene ranged_light(bool is_spot, float range) {
   scene.set_orthographic(look_at({0, 3, 0}, {0, 0, 0}, {0, 0, -1}), 2, 2);
   PreparedScene prepared = prepare(scene);
   prepared.scene.lights.at(0).area = range;
+  prepared.features = find_features(prepared.scene);
   return prepared;
 }
 
@@ -158,6 +161,7 @@ TEST_F(PlanesAndRanges, TechniquesAgreeOnALightOfLimitedRange) {
   scene.add_spot_light({0, 0.8, -0.5}, {0, -1, 0.2}, 1, 0.3, 0.9);
   PreparedScene prepared = prepare(scene);
   for (Light& light : prepared.scene.lights) light.area = 1.4F;
+  prepared.features = find_features(prepared.scene);
   const auto batches = [&](uint32_t techniques, uint32_t stream) {
     render::RenderSettings settings = box_filtered(16, 16, 8, 4);
     settings.techniques = techniques;

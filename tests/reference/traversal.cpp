@@ -133,7 +133,7 @@ class EmbreeScene {
 // Both work on the same single-precision rays. They may differ where a ray passes within single precision of
 // an edge: then one sees what lies behind it. Such rays are few, and each must pass an edge that closely.
 // number_of: the number that Embree's triangle has in the scene.
-void expect_agreement(const std::string& name, const test::PreparedScene& prepared,
+void expect_agreement(const std::string& name, const PreparedScene& prepared,
                       const std::vector<Corners>& triangles, const std::vector<uint32_t>& number_of) {
   const EmbreeScene embree(triangles);
   const Traversal traversal(prepared.bvh, &prepared.scene);
@@ -177,7 +177,7 @@ void expect_agreement(const std::string& name, const test::PreparedScene& prepar
 
 TEST(ReferenceTraversal, AgreesWithEmbreeAwayFromEdges) {
   for (const char* name : {"cornell/cornell.gltf", "plates/plates.gltf"}) {
-    const test::PreparedScene prepared = test::prepare(test::own_scenes() / name);
+    const PreparedScene prepared = test::prepare(test::own_scenes() / name);
     std::vector<uint32_t> numbers(prepared.scene.triangles.size());
     std::iota(numbers.begin(), numbers.end(), 0u);
     expect_agreement(name, prepared, corners_of(prepared.bvh), numbers);
@@ -201,7 +201,7 @@ TEST(ReferenceTraversal, FindsCopiesWhereEmbreeFindsTheirTriangles) {
     if (i > 0) scene.add_copy(places.back());
   }
   scene.add_point_light({0, 4, 0}, {1, 1, 1});
-  const test::PreparedScene prepared = test::shared_copies(scene);
+  const PreparedScene prepared = test::shared_copies(scene);
   ASSERT_EQ(prepared.scene.instances.size(), places.size());
 
   std::vector<Corners> triangles;

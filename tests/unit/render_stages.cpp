@@ -1,6 +1,8 @@
-// Which stages of the pass are built: none that a scene or the techniques do not need.
+// What is planned of what was asked, and which stages are built: none that a scene or the techniques do not
+// need.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <set>
 #include <string>
@@ -15,13 +17,12 @@ using namespace interface;
 using Names = std::set<std::string>;
 
 Names needed(uint32_t material_classes, uint32_t techniques) {
-  scene::Features features;
-  features.material_classes = material_classes;
-  RenderSettings settings;
-  settings.techniques = techniques;
+  Plan plan;
+  plan.features.material_classes = material_classes;
+  plan.techniques = techniques;
   Names names;
   for (const StageStep& step : STAGES)
-    if (is_needed(step, features, settings)) names.insert(step.name);
+    if (is_needed(step, plan)) names.insert(step.name);
   return names;
 }
 
@@ -48,26 +49,71 @@ TEST(Stages, WithoutLightSamplingNothingIsTracedForVisibility) {
       (Names{"camera_generate", "trace_closest", "camera_bounce.transmissive", "accumulate", "count_work"}));
 }
 
+constexpr uint32_t ALL_TECHNIQUES =
+    TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+
+/// A plan for an empty scene that is said to have these features; merges have a radius.
+Plan plan_of(const scene::Features& features, RenderSettings settings) {
+  PreparedScene prepared;
+  prepared.features = features;
+  settings.merge_radius = 1;
+  settings.keeps_merge_radius = true;
+  return make_plan(prepared, settings);
+}
+
 // Techniques that cannot contribute to the scene are dropped, and with them their stages and their share of
-// weights.
+// weights. The plan says which and why.
 TEST(Techniques, ThatTheSceneCannotUseAreDropped) {
-  constexpr uint32_t ALL =
-      TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
   RenderSettings settings;
-  settings.techniques = ALL;
+  settings.techniques = ALL_TECHNIQUES;
   scene::Features features;
   features.has_connectible_surfaces = true;
-  EXPECT_EQ(effective_techniques(features, settings), 0u) << "no light";
+  const Plan dark = plan_of(features, settings);
+  EXPECT_EQ(dark.techniques, 0u) << "no light";
+  for (const char* name : {"nee", "splat", "connect", "merge"}) {
+    const std::string* why = dark.why_dropped(std::string("technique ") + name);
+    ASSERT_NE(why, nullptr) << name;
+    EXPECT_EQ(*why, "the scene has no lights");
+  }
   features.bits = FEATURE_POINT_LIGHTS;
-  EXPECT_EQ(effective_techniques(features, settings), ALL & ~TECHNIQUE_HIT) << "delta lights cannot be hit";
+  const Plan points = plan_of(features, settings);
+  EXPECT_EQ(points.techniques, ALL_TECHNIQUES & ~TECHNIQUE_HIT) << "delta lights cannot be hit";
+  ASSERT_NE(points.why_dropped("technique hit"), nullptr);
+  EXPECT_EQ(*points.why_dropped("technique hit"), "the scene has no emitter that a ray can meet");
+  EXPECT_EQ(points.asked.techniques, ALL_TECHNIQUES);
   features.bits = FEATURE_TRIANGLE_LIGHTS;
-  EXPECT_EQ(effective_techniques(features, settings), ALL);
+  EXPECT_EQ(plan_of(features, settings).techniques, ALL_TECHNIQUES);
+  EXPECT_TRUE(plan_of(features, settings).dropped.empty());
   features.has_connectible_surfaces = false;
   features.least_reflection_alpha = 0;
-  EXPECT_EQ(effective_techniques(features, settings), ALL & ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE))
+  EXPECT_EQ(plan_of(features, settings).techniques, ALL_TECHNIQUES & ~(TECHNIQUE_CONNECT | TECHNIQUE_MERGE))
       << "perfect mirrors cannot be connected";
+  EXPECT_EQ(plan_of(features, settings).merge_radius, 0) << "nothing is merged";
   settings.regularization = REGULARIZATION_ROUGHNESS;
-  EXPECT_EQ(effective_techniques(features, settings), ALL) << "but with raised roughness they can";
+  EXPECT_EQ(plan_of(features, settings).techniques, ALL_TECHNIQUES) << "but with raised roughness they can";
+}
+
+// What is left open is chosen: roughness is regularized, but nothing where vertices are merged; a light path
+// for every pixel.
+TEST(Choices, AreMadeByThePlan) {
+  RenderSettings settings;
+  settings.width = 6;
+  settings.height = 5;
+  settings.regularization.reset();
+  settings.regularization_modes = REGULARIZATION_CONSISTENT;
+  scene::Features mirrors;
+  mirrors.bits = FEATURE_TRIANGLE_LIGHTS;
+  mirrors.has_connectible_surfaces = true;
+  mirrors.least_reflection_alpha = 0;
+  const Plan plan = plan_of(mirrors, settings);
+  EXPECT_EQ(plan.regularization, REGULARIZATION_ROUGHNESS | REGULARIZATION_CONSISTENT);
+  EXPECT_EQ(plan.light_paths, 30u);
+  settings.techniques = ALL_TECHNIQUES;
+  EXPECT_EQ(plan_of(mirrors, settings).regularization, REGULARIZATION_NONE);
+  settings.regularization = REGULARIZATION_NONE;
+  settings.light_paths = 7;
+  EXPECT_EQ(plan_of(mirrors, settings).light_paths, 7u);
+  EXPECT_EQ(plan_of(mirrors, settings).regularization, REGULARIZATION_NONE) << "modes of nothing are nothing";
 }
 
 // Nothing of light subpaths is built for a path tracer.
@@ -77,6 +123,33 @@ TEST(Stages, PathTracingHasNoLightSubpaths) {
       EXPECT_EQ(name.find(part), std::string::npos) << name;
 }
 
+// Solids are kept beside paths where the scene has contacts, and those around starts are found path by path
+// only where they vary.
+TEST(Stages, SolidsAroundPathsAreKeptWhereTheyMatter) {
+  scene::Features features;
+  features.bits = FEATURE_TRIANGLE_LIGHTS;
+  features.has_connectible_surfaces = true;
+  RenderSettings settings;
+  settings.techniques = ALL_TECHNIQUES;
+  const auto start_stages = [](const Plan& plan) {
+    return std::ranges::count_if(STAGES, [&](const StageStep& step) {
+      return std::string(step.shader) == "start_media" && is_needed(step, plan);
+    });
+  };
+  const Plan apart = plan_of(features, settings);
+  EXPECT_FALSE(apart.light_vertices.has_media);
+  EXPECT_EQ(start_stages(apart), 0);
+  features.bits |= FEATURE_CONTACTS;
+  const Plan touching = plan_of(features, settings);
+  EXPECT_TRUE(touching.light_vertices.has_media);
+  EXPECT_EQ(start_stages(touching), 0);
+  EXPECT_GT(bytes_per_path(touching), bytes_per_path(apart));
+  features.has_varying_starts = true;
+  EXPECT_EQ(start_stages(plan_of(features, settings)), 2) << "of light paths and of camera paths";
+  settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  EXPECT_EQ(start_stages(plan_of(features, settings)), 1);
+}
+
 // tau 100 raises reflection to alpha 1 / sqrt(400 pi) = 0.0282 and refraction by n = 1.5 to 3 / sqrt(100 pi)
 // = 0.169.
 TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
@@ -84,7 +157,9 @@ TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
   settings.regularization = REGULARIZATION_ROUGHNESS;
   settings.tau = 100;
   const auto is_dropped = [&](const scene::Features& features) {
-    return effective_regularization(features, settings) == REGULARIZATION_NONE;
+    const Plan plan = plan_of(features, settings);
+    EXPECT_EQ(plan.why_dropped("regularization") != nullptr, plan.regularization == REGULARIZATION_NONE);
+    return plan.regularization == REGULARIZATION_NONE;
   };
   scene::Features features;
   EXPECT_TRUE(is_dropped(features)) << "no microfacet lobe";
@@ -108,20 +183,25 @@ TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
 // By the sizes of the structs: with 1023 light vertices to connect to a path has 1024 candidates of 44 bytes
 // and three lists of 1023 pairs of 8; 65,535 groups of 64 are what Vulkan guarantees.
 TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
+  scene::Features features;
+  features.bits = FEATURE_TRIANGLE_LIGHTS;
+  features.has_connectible_surfaces = true;
   RenderSettings settings;
   settings.width = settings.height = 64;
-  settings.light_paths = 64 * 64;
   constexpr uint64_t MUCH = uint64_t{1} << 50, GROUPS = 65535;
-  EXPECT_EQ(most_paths(settings, GROUPS, MUCH), GROUPS * 64) << "a path has one item in any queue";
-  EXPECT_EQ(most_paths(settings, MUCH, 64 * 1000), 1000u) << "paths are the largest array";
+  const Plan plain = plan_of(features, settings);
+  EXPECT_EQ(most_paths(plain, GROUPS, MUCH), GROUPS * 64) << "a path has one item in any queue";
+  EXPECT_EQ(most_paths(plain, MUCH, 64 * 1000), 1000u) << "paths are the largest array";
   settings.techniques |= TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
   settings.max_depth = 1024;
-  EXPECT_EQ(most_paths(settings, GROUPS, MUCH), GROUPS * 64 / 1024);
-  EXPECT_EQ(most_paths(settings, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1023 * 64))
+  const Plan paired = plan_of(features, settings);
+  EXPECT_EQ(most_paths(paired, GROUPS, MUCH), GROUPS * 64 / 1024);
+  EXPECT_EQ(most_paths(paired, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1023 * 64))
       << "light vertices";
   settings.cache_connections = 1024;
-  EXPECT_EQ(most_paths(settings, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1025 * 44)) << "candidates";
-  EXPECT_LE(most_paths(settings, MUCH, MUCH) * 1025, UINT32_MAX) << "items are counted with 32 bits";
+  const Plan cached = plan_of(features, settings);
+  EXPECT_EQ(most_paths(cached, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1025 * 44)) << "candidates";
+  EXPECT_LE(most_paths(cached, MUCH, MUCH) * 1025, UINT32_MAX) << "items are counted with 32 bits";
 }
 
 }  // namespace

@@ -4,16 +4,12 @@
 
 #include <fstream>
 
-#include "bvh/scene_bvh.hpp"
-
 namespace regulus::test {
 
 namespace fs = std::filesystem;
 
 PreparedScene prepare(const fs::path& path, const scene::LoadOptions& options) {
-  PreparedScene prepared{scene::load(path, options), {}};
-  prepared.bvh = bvh::build_for_scene(prepared.scene);
-  return prepared;
+  return regulus::prepare(scene::load(path, options));
 }
 
 namespace {

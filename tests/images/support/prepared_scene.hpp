@@ -4,18 +4,12 @@
 #include <filesystem>
 #include <string>
 
-#include "bvh/bvh.hpp"
 #include "image/image.hpp"
 #include "images/support/gltf_scene.hpp"
+#include "prepared/prepared_scene.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::test {
-
-/// A scene that is ready for a renderer.
-struct PreparedScene {
-  scene::Scene scene;
-  bvh::Bvh bvh;
-};
 
 PreparedScene prepare(const std::filesystem::path& path, const scene::LoadOptions& options = {});
 PreparedScene prepare(const GltfScene& scene, const scene::LoadOptions& options = {});

@@ -11,7 +11,7 @@
 namespace regulus::test {
 
 Rendered render(const PreparedScene& prepared, const render::RenderSettings& settings) {
-  render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+  render::Renderer renderer(*device(), prepared, make_plan(prepared, settings));
   renderer.render([](uint64_t, uint64_t) { return true; });
   EXPECT_EQ(renderer.statistics().non_finite, 0u);
   EXPECT_EQ(renderer.statistics().traversal_overruns, 0u);
@@ -26,6 +26,7 @@ render::RenderSettings box_filtered(uint32_t width, uint32_t height, uint32_t sa
   settings.samples = samples;
   settings.max_depth = max_depth;
   settings.filter = interface::FILTER_BOX;
+  settings.keeps_merge_radius = true;
   settings.filter_radius = 0.5f;
   return settings;
 }
@@ -38,7 +39,7 @@ render::RenderSettings point_sampled(uint32_t width, uint32_t height, uint32_t m
 
 image::Channels surface_channels(const PreparedScene& prepared, render::RenderSettings settings) {
   settings.aovs = render::SURFACE_AOVS;
-  render::Renderer renderer(*device(), prepared.scene, prepared.bvh, settings);
+  render::Renderer renderer(*device(), prepared, make_plan(prepared, settings));
   image::Channels channels;
   render::add_surface_channels(renderer.surface_aovs(), settings.aovs, prepared.scene.origin, channels);
   return channels;

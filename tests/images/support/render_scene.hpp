@@ -22,7 +22,7 @@ struct Rendered {
 /// Renders all samples. Fails the calling test if a sample was not finite or a ray overran its step bound.
 Rendered render(const PreparedScene& prepared, const render::RenderSettings& settings);
 
-/// A film of square pixels with a box filter over the pixel.
+/// A film of square pixels with a box filter over the pixel; merges have the radius that a test gives.
 render::RenderSettings box_filtered(uint32_t width, uint32_t height, uint32_t samples, uint32_t max_depth);
 
 /// One ray through the very centre of each pixel (a box filter of radius 0): where the light transport has no

@@ -26,7 +26,7 @@ reference::Settings reference_point_sampled(uint32_t width, uint32_t height, uin
 }
 
 image::Image render_reference(const PreparedScene& prepared, const reference::Settings& settings) {
-  const reference::World world(prepared.scene, prepared.bvh, settings.ndf, settings.shadowing);
+  const reference::World world(prepared, settings.ndf, settings.shadowing);
   const reference::Film film = reference::render(world, settings);
   image::Image image{settings.width, settings.height, {}};
   for (size_t i = 0; i < film.sum.size(); ++i)

@@ -1,0 +1,161 @@
+#include "render/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "reference/merge_radius.hpp"
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+constexpr uint32_t EMITTERS = FEATURE_TRIANGLE_LIGHTS | FEATURE_ENVIRONMENT;  // that rays can meet
+constexpr uint32_t LIGHTS = EMITTERS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
+
+// Why regularization would change nothing; empty if it does. Known for BOUND_PEAK alone, whose alpha does not
+// depend on directions.
+std::string why_not_regularized(const Plan& plan) {
+  if (std::isinf(plan.tau)) return "tau is infinite";
+  // alpha_tau of docs/mathematics.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for
+  // refraction.
+  const float alpha = 1 / std::sqrt(std::numbers::pi_v<float> * plan.tau);
+  const scene::Features& features = plan.features;
+  const bool is_sharp =
+      features.least_reflection_alpha < 0.5f * alpha || features.least_refraction_alpha < alpha;
+  if (is_sharp || plan.bound != BOUND_PEAK) return "";
+  if (std::isinf(std::min(features.least_reflection_alpha, features.least_refraction_alpha)))
+    return "no surface has a microfacet lobe";
+  return fmt::format("no lobe is sharper than tau {:g} allows", plan.tau);
+}
+
+void plan_regularization(Plan& plan) {
+  const RenderSettings& asked = plan.asked;
+  // Measured: merging finds what regularization would, and gains nothing from it (docs/results.md).
+  const bool has_merges = (asked.techniques & TECHNIQUE_MERGE) != 0;
+  plan.regularization =
+      asked.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
+  if (plan.regularization == REGULARIZATION_NONE) return;
+  plan.regularization |= asked.regularization_modes;
+  const std::string why = why_not_regularized(plan);
+  if (why.empty()) return;
+  plan.regularization = REGULARIZATION_NONE;
+  plan.dropped.push_back({"regularization", why});
+}
+
+void plan_techniques(Plan& plan) {
+  plan.techniques = plan.asked.techniques;
+  const auto drop = [&](uint32_t technique, const char* name, const char* why) {
+    if ((plan.techniques & technique) == 0) return;
+    plan.techniques &= ~technique;
+    plan.dropped.push_back({fmt::format("technique {}", name), why});
+  };
+  if ((plan.features.bits & EMITTERS) == 0)
+    drop(TECHNIQUE_HIT, "hit", "the scene has no emitter that a ray can meet");
+  constexpr std::pair<uint32_t, const char*> FROM_LIGHTS[] = {{TECHNIQUE_NEE, "nee"},
+                                                              {TECHNIQUE_SPLAT, "splat"},
+                                                              {TECHNIQUE_CONNECT, "connect"},
+                                                              {TECHNIQUE_MERGE, "merge"}};
+  for (const auto& [technique, name] : FROM_LIGHTS) {
+    if ((plan.features.bits & LIGHTS) == 0) drop(technique, name, "the scene has no lights");
+    const bool needs_lobes = (technique & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0;
+    if (needs_lobes && !plan.features.has_connectible_surfaces && plan.regularization == REGULARIZATION_NONE)
+      drop(technique, name, "every surface is a perfect mirror or clear glass");
+  }
+}
+
+void plan_merge_radius(Plan& plan, const PreparedScene& prepared) {
+  const RenderSettings& asked = plan.asked;
+  if ((plan.techniques & TECHNIQUE_MERGE) == 0) return;
+  if (asked.merge_radius && asked.keeps_merge_radius) {
+    plan.merge_radius = *asked.merge_radius;
+    plan.merge_radius_rule = "given";
+    return;
+  }
+  const reference::MergeRadius chosen = choose_merge_radius(prepared, asked, &plan.warnings);
+  plan.merge_radius = chosen.metres;
+  plan.merge_radius_rule = chosen.rule;
+}
+
+bool has(const Plan& plan, uint32_t techniques) {
+  return (plan.techniques & techniques) != 0;
+}
+
+LightVertexPlan plan_light_vertices(const Plan& plan) {
+  LightVertexPlan result;
+  result.has_vertices = has(plan, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
+  result.has_merges = has(plan, TECHNIQUE_MERGE);
+  const bool has_diffusion = (plan.regularization & REGULARIZATION_DIFFUSION) != 0;
+  result.has_sharp = has_diffusion && has(plan, LIGHT_SUBPATH_TECHNIQUES);
+  result.has_footprints =
+      (has_diffusion && !has(plan, LIGHT_SUBPATH_TECHNIQUES)) || (plan.aovs & AOV_SIGMA) != 0;
+  constexpr uint32_t HIT_AND_NEE = TECHNIQUE_HIT | TECHNIQUE_NEE;
+  result.has_receivers =
+      plan.light_sampling == LIGHT_SAMPLING_BVH && (plan.techniques & HIT_AND_NEE) == HIT_AND_NEE;
+  result.has_media = (plan.features.bits & FEATURE_CONTACTS) != 0;
+  const bool is_paired = plan.light_paths == uint64_t{plan.width} * plan.height;
+  result.has_histories =
+      plan.regularization != REGULARIZATION_NONE &&
+      (plan.sampler_quality != SAMPLER_QUALITY_OFF || (plan.regularization & REGULARIZATION_BOTH) != 0);
+  result.is_per_wave = !has(plan, LIGHT_SUBPATH_TECHNIQUES) ||
+                       (is_paired && !result.has_merges && plan.crop.pixels() == 0 &&
+                        !(has(plan, TECHNIQUE_CONNECT) && plan.cache_connections != 0));
+  return result;
+}
+
+}  // namespace
+
+const std::string* Plan::why_dropped(std::string_view what) const {
+  const auto found = std::ranges::find(dropped, what, &Dropped::what);
+  return found == dropped.end() ? nullptr : &found->why;
+}
+
+Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
+  Plan plan;
+  static_cast<CommonSettings&>(plan) = settings;
+  plan.asked = settings;
+  plan.features = prepared.features;
+  plan_regularization(plan);
+  plan_techniques(plan);
+  plan.light_sampling = has(plan, TECHNIQUE_NEE) ? scene::resolve_light_sampling(settings.light_sampling,
+                                                                                 prepared.scene.lights.size())
+                                                 : LIGHT_SAMPLING_POWER;
+  plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
+  plan_merge_radius(plan, prepared);
+  plan.light_vertices = plan_light_vertices(plan);
+  return plan;
+}
+
+Plan plan_for_window(Plan plan, const Window& window) {
+  plan.crop = plan.asked.crop = window;
+  plan.light_vertices = plan_light_vertices(plan);
+  return plan;
+}
+
+reference::SeenSurfaces seen_by_camera(const PreparedScene& prepared, uint32_t camera) {
+  const glm::uvec2 film = scene::default_film_size(prepared.scene, camera);
+  return see_surfaces(reference::World(prepared), prepared.scene.cameras.at(camera), film.x, film.y);
+}
+
+reference::MergeRadius choose_merge_radius(const PreparedScene& prepared, const RenderSettings& settings,
+                                           std::vector<std::string>* warnings) {
+  const glm::dvec3 diagonal = glm::dvec3(prepared.scene.bounds_max) - glm::dvec3(prepared.scene.bounds_min);
+  const double scene_radius = 0.5 * glm::length(diagonal);
+  const reference::SeenSurfaces seen = seen_by_camera(prepared, settings.camera);
+  if (!settings.merge_radius && !settings.merge_radius_share) return default_merge_radius(seen, scene_radius);
+  const float asked = settings.merge_radius
+                          ? *settings.merge_radius
+                          : radius_of_share(*settings.merge_radius_share, seen, scene_radius);
+  const reference::MergeRadius chosen = given_merge_radius(asked, seen, scene_radius);
+  if (warnings != nullptr && chosen.metres != asked)
+    warnings->push_back(fmt::format("--merge-radius {:g} m does not suit a view of {:.3g} m: {:g} m ({})",
+                                    asked, 2 * seen.extent, chosen.metres, chosen.rule));
+  return chosen;
+}
+
+}  // namespace regulus::render

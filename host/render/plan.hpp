@@ -1,0 +1,72 @@
+// What will be done of what was asked: the one place that decides. Device, reference, `inspect`, headers and
+// statistics go by the plan.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "prepared/prepared_scene.hpp"
+#include "render/settings.hpp"
+
+namespace regulus::reference {
+struct MergeRadius;   // reference/merge_radius.hpp
+struct SeenSurfaces;  // likewise
+}  // namespace regulus::reference
+
+namespace regulus::render {
+
+/// Something that was asked for and is not done.
+struct Dropped {
+  std::string what;  ///< such as "technique merge"
+  std::string why;
+};
+
+/// Where a renderer gets light vertices from: each wave has its own (`is_per_wave`), or all light paths of an
+/// iteration are walked before its camera paths (always for a crop, which all light paths concern). And which
+/// arrays paths and vertices need.
+struct LightVertexPlan {
+  bool is_per_wave = true;
+  bool has_vertices = false;  ///< connections or merges are enabled
+  bool has_merges = false;
+  bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
+  bool has_footprints = false;  ///< path diffusion without light subpaths, or its AOV: one beside each path
+  bool has_receivers = false;   ///< `hit` weighs against lights that `nee` chooses by the tree
+  bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
+  bool has_media = false;       ///< FEATURE_CONTACTS: the solids around each path and vertex
+};
+
+/// A render of a scene with every choice made. Made by make_plan() alone.
+struct Plan : CommonSettings {
+  uint32_t techniques = 0;                                    ///< those that can contribute
+  uint32_t light_sampling = interface::LIGHT_SAMPLING_POWER;  ///< LIGHT_SAMPLING_*, never _AUTO
+  uint32_t light_paths = 0;                                   ///< per iteration
+  float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged
+  std::string merge_radius_rule;  ///< in words, where it comes from
+  uint32_t regularization = interface::REGULARIZATION_NONE;
+  LightVertexPlan light_vertices;
+  scene::Features features;
+  RenderSettings asked;
+  std::vector<Dropped> dropped;
+  std::vector<std::string> warnings;  ///< what was changed rather than dropped, one line each
+
+  /// The reason why `what` was dropped; nullptr if it was not.
+  const std::string* why_dropped(std::string_view what) const;
+};
+
+/// Decides what is done. The same for the device and the reference, whatever the machine.
+Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings);
+
+/// The plan of a part of the film; what does not depend on the pixels stays.
+Plan plan_for_window(Plan plan, const Window& window);
+
+/// What a camera sees of a scene, on a film of the scene's own shape, whatever size is rendered.
+reference::SeenSurfaces seen_by_camera(const PreparedScene& prepared, uint32_t camera);
+
+/// The radius that merges have under these settings, whether they are enabled or not. One that is given and
+/// does not suit what is seen becomes a warning, if there is a place for it.
+reference::MergeRadius choose_merge_radius(const PreparedScene& prepared, const RenderSettings& settings,
+                                           std::vector<std::string>* warnings = nullptr);
+
+}  // namespace regulus::render
