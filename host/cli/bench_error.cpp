@@ -227,26 +227,34 @@ void run_bench_reference(BenchReferenceOptions& options) {
 
 void declare_budget(CLI::App& command, bench::ErrorBudget& budget) {
   command.add_option("--time", budget.seconds, "Seconds of rendering for each seed")
+      ->type_name("SECONDS")
       ->check(number_in(0.01, 1e6))
       ->capture_default_str();
   command.add_flag("--cpu-time", budget.counts_cpu_time,
                    "Count CPU seconds of this process: fair on a busy machine, for software devices");
   command.add_option("-s,--spp", budget.samples, "Samples per pixel for each seed, instead of a time")
-      ->check(CLI::Range(1u, 1u << 24));
+      ->type_name("N")
+      ->check(whole_number_in(1, MAX_SAMPLES));
   command.add_option("--seeds", budget.seeds, "Independent renders")
-      ->check(CLI::Range(2u, 1000u))
+      ->type_name("N")
+      ->check(whole_number_in(2, 1000))
       ->capture_default_str();
 }
 
 void declare_outputs(CLI::App& command, BenchErrorOptions& options) {
-  command.add_option(
-      "--references", options.references,
-      "Folder of the references, NAME.exr for NAME.gltf (default: \"reference\" beside each scene)");
-  command.add_option("--region", options.region,
-                     "Measure only the pixels x0,y0,x1,y1 of each scene, of whole renders");
-  command.add_option("--json", options.json, "Write what was measured as JSON");
-  command.add_option("--html", options.html, "Write a page with plots and pictures");
-  command.add_option("--device", options.device, "Index or part of the name of the Vulkan device");
+  command
+      .add_option(
+          "--references", options.references,
+          "Folder of the references, NAME.exr for NAME.gltf (default: \"reference\" beside each scene)")
+      ->type_name("FOLDER");
+  command
+      .add_option("--region", options.region,
+                  "Measure only the pixels x0,y0,x1,y1 of each scene, of whole renders")
+      ->type_name("x0,y0,x1,y1");
+  command.add_option("--json", options.json, "Write what was measured as JSON")->type_name("FILE");
+  command.add_option("--html", options.html, "Write a page with plots and pictures")->type_name("FILE");
+  command.add_option("--device", options.device, "Index or part of the name of the Vulkan device")
+      ->type_name("DEVICE");
   declare_budget(command, options.budget);
 }
 
@@ -256,10 +264,11 @@ void add_bench_error_commands(CLI::App& bench) {
   CLI::App* error =
       bench.add_subcommand("error", "Error, bias and variance against time, for several settings");
   const auto error_options = std::make_shared<BenchErrorOptions>();
-  error->add_option("--scenes", error_options->scenes, "glTF files")->required();
+  error->add_option("--scenes", error_options->scenes, "glTF files")->type_name("SCENE")->required();
   error
       ->add_option("--configs", error_options->configs,
                    "What to compare: NAME=OPTIONS;NAME=OPTIONS... with options of render")
+      ->type_name("NAME=OPTIONS;...")
       ->capture_default_str();
   declare_outputs(*error, *error_options);
   error->callback([error_options] { run_bench_error(*error_options); });
@@ -267,20 +276,27 @@ void add_bench_error_commands(CLI::App& bench) {
   CLI::App* reference =
       bench.add_subcommand("reference", "Makes the reference image of a scene, with its own error");
   const auto reference_options = std::make_shared<BenchReferenceOptions>();
-  reference->add_option("SCENE", reference_options->scene, "glTF file")->required();
-  reference->add_option("-o,--output", reference_options->output,
-                        "EXR to write (default: reference/NAME.exr beside the scene)");
-  reference->add_option("--size", reference_options->size, "WIDTHxHEIGHT")->capture_default_str();
-  reference->add_option("--options", reference_options->options, "Options of render")->capture_default_str();
-  reference->add_option("--device", reference_options->device,
-                        "Index or part of the name of the Vulkan device");
+  reference->add_option("SCENE", reference_options->scene, "glTF file")->type_name("FILE")->required();
+  reference
+      ->add_option("-o,--output", reference_options->output,
+                   "EXR to write (default: reference/NAME.exr beside the scene)")
+      ->type_name("FILE");
+  reference->add_option("--size", reference_options->size, "WIDTHxHEIGHT")
+      ->type_name("WIDTHxHEIGHT")
+      ->capture_default_str();
+  reference->add_option("--options", reference_options->options, "Options of render")
+      ->type_name("OPTIONS")
+      ->capture_default_str();
+  reference
+      ->add_option("--device", reference_options->device, "Index or part of the name of the Vulkan device")
+      ->type_name("DEVICE");
   declare_budget(*reference, reference_options->budget);
   reference->callback([reference_options] { run_bench_reference(*reference_options); });
 
   CLI::App* talk = bench.add_subcommand("talk", "The comparisons of the talk on regularization, as a page");
   const auto talk_options = std::make_shared<BenchErrorOptions>();
   const auto folder = std::make_shared<std::string>("scenes");
-  talk->add_option("--folder", *folder, "Folder of the scenes")->capture_default_str();
+  talk->add_option("--folder", *folder, "Folder of the scenes")->type_name("FOLDER")->capture_default_str();
   declare_outputs(*talk, *talk_options);
   talk->callback([talk_options, folder] {
     run_comparisons("Regulus: microfacet regularization", talk_comparisons(*folder), *talk_options);

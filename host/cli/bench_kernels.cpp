@@ -17,6 +17,7 @@
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/standard_streams.hpp"
+#include "cli/validators.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
 
@@ -202,11 +203,14 @@ void add_bench_command(CLI::App& app) {
   CLI::App* kernels =
       bench->add_subcommand("kernels", "Rays per second of the traversal kernels, beside Embree");
   const auto options = std::make_shared<BenchKernelsOptions>();
-  kernels->add_option("SCENE", options->scenes, "glTF files to measure besides the procedural scenes");
-  kernels->add_option("--json", options->json, "Write the results as a JSON array");
-  kernels->add_option("--device", options->device, "Index or part of the name of the Vulkan device");
+  kernels->add_option("SCENE", options->scenes, "glTF files to measure besides the procedural scenes")
+      ->type_name("FILE");
+  kernels->add_option("--json", options->json, "Write the results as a JSON array")->type_name("FILE");
+  kernels->add_option("--device", options->device, "Index or part of the name of the Vulkan device")
+      ->type_name("DEVICE");
   kernels->add_option("--repeats", options->repeats, "Measurements of each query; their median counts")
-      ->check(CLI::Range(1, 1000));
+      ->type_name("N")
+      ->check(whole_number_in(1, 1000));
   kernels->callback([options] { run_bench_kernels(*options); });
   add_bench_error_commands(*bench);
   add_bench_skip_command(*bench);

@@ -12,6 +12,7 @@
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/standard_streams.hpp"
+#include "cli/validators.hpp"
 
 namespace regulus::cli {
 namespace {
@@ -72,15 +73,19 @@ void add_bench_skip_command(CLI::App& bench) {
       "skip",
       "Time and memory of each feature that a scene lacks: present but unused against specialized away");
   const auto options = std::make_shared<BenchSkipOptions>();
-  skip->add_option("SCENE", options->scene, "glTF file")->required();
-  skip->add_option("--options", options->options, "Options of render")->capture_default_str();
-  skip->add_option("--size", options->size, "WIDTHxHEIGHT")->capture_default_str();
+  skip->add_option("SCENE", options->scene, "glTF file")->type_name("FILE")->required();
+  skip->add_option("--options", options->options, "Options of render")
+      ->type_name("OPTIONS")
+      ->capture_default_str();
+  skip->add_option("--size", options->size, "WIDTHxHEIGHT")->type_name("WIDTHxHEIGHT")->capture_default_str();
   skip->add_option("--repeats", options->budget.repeats,
                    "Pairs of renders for each feature; the median of their ratios counts")
-      ->check(CLI::Range(1u, 1000u))
+      ->type_name("N")
+      ->check(whole_number_in(1, 1000))
       ->capture_default_str();
-  skip->add_option("--json", options->json, "Write what was measured as JSON");
-  skip->add_option("--device", options->device, "Index or part of the name of the Vulkan device");
+  skip->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
+  skip->add_option("--device", options->device, "Index or part of the name of the Vulkan device")
+      ->type_name("DEVICE");
   skip->callback([options] { run_bench_skip(*options); });
 }
 

@@ -229,20 +229,28 @@ void add_check_command(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "check", "Hold every stage of the device against the scalar reference, on data of a scene");
   declare_render_options(*command, options->render);
-  command->add_option("--path", options->path, "Print one camera path from both in full: x,y,sample");
-  command->add_option("--weights", options->weights,
-                      "Only connections, merges and splats, until so many weights have been compared");
+  command->option_defaults()->group("Check");
+  command->add_option("--path", options->path, "Print one camera path from both in full")
+      ->type_name("x,y,sample");
+  command
+      ->add_option("--weights", options->weights,
+                   "Only connections, merges and splats, until so many weights have been compared")
+      ->type_name("N");
   command
       ->add_option("--statistics", options->statistics,
                    "Only images: test by pixels, over so many independent seeds, that device and reference "
                    "have the same mean")
-      ->check(CLI::Range(2, 1000));
-  command->add_option("--against", options->against,
-                      "With --statistics: not the reference, but the device with another integrator or list "
-                      "of techniques");
+      ->type_name("SEEDS")
+      ->check(whole_number_in(2, 1000));
+  command
+      ->add_option("--against", options->against,
+                   "With --statistics: not the reference, but the device with another integrator or list "
+                   "of techniques")
+      ->type_name("TECHNIQUES");
   command
       ->add_option("--tolerance", options->tolerance,
                    "With --statistics: relative difference that is not counted, such as the blur of merges")
+      ->type_name("DIFFERENCE")
       ->check(not_negative());
   command->callback([command, options] { run_check(*command, *options); });
 }

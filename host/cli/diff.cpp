@@ -102,14 +102,19 @@ void diff(const DiffOptions& options) {
 void add_diff_command(CLI::App& app) {
   const auto options = std::make_shared<DiffOptions>();
   CLI::App* command = app.add_subcommand("diff", "Error metrics of an image against a reference");
-  command->add_option("IMAGE", options->image, "OpenEXR file")->required();
-  command->add_option("REFERENCE", options->reference, "OpenEXR file of the same size")->required();
-  command->add_option("--json", options->json, "Write the metrics to this file");
-  command->add_option(
-      "--heat-map", options->heat_map,
-      "Write the relative error of each pixel to this PNG or JPEG, 0.001 (black) to 1 (yellow)");
-  command->add_option("--flip-map", options->flip_map,
-                      "Write the FLIP error of each pixel to this PNG or JPEG, 0 (black) to 1 (yellow)");
+  command->add_option("IMAGE", options->image, "OpenEXR file")->type_name("FILE")->required();
+  command->add_option("REFERENCE", options->reference, "OpenEXR file of the same size")
+      ->type_name("FILE")
+      ->required();
+  command->add_option("--json", options->json, "Write the metrics to this file")->type_name("FILE");
+  command
+      ->add_option("--heat-map", options->heat_map,
+                   "Write the relative error of each pixel to this PNG or JPEG, 0.001 (black) to 1 (yellow)")
+      ->type_name("FILE");
+  command
+      ->add_option("--flip-map", options->flip_map,
+                   "Write the FLIP error of each pixel to this PNG or JPEG, 0 (black) to 1 (yellow)")
+      ->type_name("FILE");
   command->callback([options] { diff(*options); });
 }
 

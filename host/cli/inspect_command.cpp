@@ -16,6 +16,7 @@
 #include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
 #include "cli/standard_streams.hpp"
+#include "cli/validators.hpp"
 #include "reference/merge_radius.hpp"
 #include "render/device_images.hpp"
 #include "render/names.hpp"
@@ -294,15 +295,20 @@ void add_inspect_command(CLI::App& app) {
   command->add_option("scene-file", options->scene_file, "The .gltf or .glb file")
       ->required()
       ->type_name("SCENE");
-  command->add_option("--scene", options->scene_index,
-                      "Scene of the file by index (default: its own default)");
-  command->add_option("--variant", options->variant,
-                      "Material variant by name (default: the scene's, or none)");
-  command->add_option("--animation", options->animation,
-                      "Animation that poses the scene, by name or index (default: the scene's, or none)");
+  command
+      ->add_option("--scene", options->scene_index, "Scene of the file by index (default: its own default)")
+      ->type_name("INDEX");
+  command
+      ->add_option("--variant", options->variant, "Material variant by name (default: the scene's, or none)")
+      ->type_name("NAME");
+  command
+      ->add_option("--animation", options->animation,
+                   "Animation that poses the scene, by name or index (default: the scene's, or none)")
+      ->type_name("ANIMATION");
   command->add_option("--at", options->time, "Time in seconds at which the animation poses the scene")
-      ->check(CLI::Range(-1e9, 1e9));
-  command->add_option("--json", options->json, "Write everything to this file");
+      ->type_name("SECONDS")
+      ->check(number_in(-1e9, 1e9));
+  command->add_option("--json", options->json, "Write everything to this file")->type_name("FILE");
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");
   command->add_flag("--strict", options->is_strict, STRICT_HELP);

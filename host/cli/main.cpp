@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <sstream>
 #include <string>
@@ -16,6 +17,7 @@
 #include "cli/bench_kernels.hpp"
 #include "cli/commands.hpp"
 #include "cli/diff.hpp"
+#include "cli/help.hpp"
 #include "cli/standard_streams.hpp"
 
 namespace {
@@ -31,6 +33,7 @@ int run(int argc, char** argv) {
   CLI::App app{"Regulus: renders glTF scenes with robust light transport on any Vulkan device"};
   app.set_version_flag("--version", fmt::format("regulus {} (commit {}, {}, {})", regulus::VERSION,
                                                 regulus::COMMIT, regulus::COMPILER, regulus::BUILD_TYPE));
+  app.formatter(std::make_shared<regulus::cli::HelpFormatter>());
   app.require_subcommand(1);
   regulus::cli::add_render_command(app);
   regulus::cli::add_inspect_command(app);

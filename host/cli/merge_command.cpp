@@ -175,8 +175,11 @@ void add_merge_command(CLI::App& app) {
   command
       ->add_option("OUTPUT", options->output,
                    "File to write: .exr, which is a part again, or a picture alone in .png, .jpg, .hdr")
+      ->type_name("FILE")
       ->required();
-  command->add_option("PART", options->parts, "Files written by render --samples or by merge")->required();
+  command->add_option("PART", options->parts, "Files written by render --samples or by merge")
+      ->type_name("FILE")
+      ->required();
   command->add_flag("--force", options->is_forced, "Replace OUTPUT if it exists, unless it is a part");
   command->callback([options] { merge(*options); });
 }

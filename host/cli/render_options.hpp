@@ -14,6 +14,9 @@ namespace regulus::cli {
 inline constexpr const char* STRICT_HELP =
     "Refuse faults of the scene's files that otherwise are mended with a warning";
 
+/// Most samples of a pixel.
+inline constexpr uint32_t MAX_SAMPLES = 1u << 24;
+
 /// What the command line of `render` says, before the scene is known.
 struct RenderOptions {
   std::string scene_file;

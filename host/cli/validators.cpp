@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 #include "base/near_names.hpp"
@@ -12,7 +13,10 @@ namespace regulus::cli {
 
 namespace {
 
-/// A validator of numbers. @param range for help and error, as in "from 0 to 1"
+// None of the validators describes itself: the help shows what an option takes by its type's name.
+constexpr const char* WITHOUT_DESCRIPTION = "";
+
+/// A validator of numbers. @param range for the error, as in "from 0 to 1"
 template <typename IsValid>
 CLI::Validator number_validator(const std::string& range, const IsValid& is_valid) {
   return {[range, is_valid](std::string& text) {
@@ -21,7 +25,7 @@ CLI::Validator number_validator(const std::string& range, const IsValid& is_vali
             return is_number && is_valid(value) ? std::string()
                                                 : fmt::format("\"{}\" is not a number {}", text, range);
           },
-          range};
+          WITHOUT_DESCRIPTION};
 }
 
 }  // namespace
@@ -29,6 +33,18 @@ CLI::Validator number_validator(const std::string& range, const IsValid& is_vali
 CLI::Validator number_in(double least, double most) {
   return number_validator(fmt::format("from {:g} to {:g}", least, most),
                           [=](double value) { return value >= least && value <= most; });
+}
+
+CLI::Validator whole_number_in(uint64_t least, uint64_t most) {
+  return {[=](std::string& text) {
+            uint64_t value = 0;
+            const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+            const bool is_whole = error == std::errc{} && end == text.data() + text.size();
+            return is_whole && value >= least && value <= most
+                       ? std::string()
+                       : fmt::format("\"{}\" is not a whole number from {} to {}", text, least, most);
+          },
+          WITHOUT_DESCRIPTION};
 }
 
 CLI::Validator positive_or_infinite() {
@@ -46,6 +62,10 @@ std::vector<std::string> names_of(render::Names names) {
   return result;
 }
 
+std::string listed(render::Names names) {
+  return fmt::format("{}", fmt::join(names_of(names), "|"));
+}
+
 const render::Name* find_name(render::Names names, const std::string& name) {
   const auto found =
       std::ranges::find_if(names, [&](const render::Name& entry) { return name == entry.name; });
@@ -59,14 +79,14 @@ CLI::Validator choice(render::Names names) {
             text = std::to_string(found->value);
             return std::string();
           },
-          fmt::format("{}", fmt::join(names_of(names), "|"))};
+          WITHOUT_DESCRIPTION};
 }
 
 CLI::Validator one_of(const std::vector<std::string>& names) {
   return {[names](std::string& text) {
             return std::ranges::find(names, text) != names.end() ? std::string() : unknown_name(text, names);
           },
-          fmt::format("{}", fmt::join(names, "|"))};
+          WITHOUT_DESCRIPTION};
 }
 
 }  // namespace regulus::cli

@@ -165,6 +165,15 @@ TEST_F(Usage, HelpSaysWhatIsDone) {
   const std::string help = run({"render", "--help"}).out;
   EXPECT_NE(help.find("bvh from 4 lights on"), std::string::npos) << help;
   EXPECT_NE(help.find("sigma"), std::string::npos);
+  for (const char* topic : {"Output:", "Quality:", "Transport:", "Regularization:", "Camera and scene:",
+                            "Device:", "Long renders:"})
+    EXPECT_NE(help.find(topic), std::string::npos) << topic;
+  EXPECT_NE(help.find("--light-sampling auto|bvh|power|uniform"), std::string::npos) << help;
+  EXPECT_NE(help.find("(default: auto)"), std::string::npos) << help;
+  EXPECT_NE(help.find("--spp N"), std::string::npos) << help;
+  // No type or number that only the program knows.
+  for (const char* inner : {"TEXT", "UINT", "FLOAT", "->"})
+    EXPECT_EQ(help.find(inner), std::string::npos) << inner;
 }
 
 TEST_F(Usage, BadSizesEndWithTwo) {

@@ -1,0 +1,324 @@
+// The options of `regulus render` on the command line, by topic.
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <limits>
+
+#include "cli/render_options.hpp"
+#include "cli/strategy_images.hpp"
+#include "cli/validators.hpp"
+#include "render/aov.hpp"
+
+namespace regulus::cli {
+
+namespace {
+
+using namespace interface;
+namespace names = render::names;
+
+/// From how many lights on --light-sampling auto is the tree.
+size_t many_lights() {
+  size_t count = 1;
+  while (scene::resolve_light_sampling(LIGHT_SAMPLING_AUTO, count) != LIGHT_SAMPLING_BVH) ++count;
+  return count;
+}
+
+void declare_output(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option("-o,--output", options.output,
+                  "Picture to write, in the format of its extension: .exr, tone-mapped .png or .jpg, .hdr "
+                  "(default: the scene's name with .exr)")
+      ->type_name("FILE");
+  command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG")->type_name("FILE");
+  command.add_option("--exposure", options.exposure_ev, "Exposure of PNG and JPEG")
+      ->type_name("STOPS")
+      ->check(number_in(-100.0, 100.0));
+  command
+      .add_option(
+          "--aov", options.aovs,
+          fmt::format("Extra channels, separated by commas: {}", fmt::join(render::known_aovs(), ", ")))
+      ->type_name("NAMES");
+  command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP)->type_name("FOLDER");
+  command.add_option("--stats", options.stats, "Write times, rays and memory as JSON")->type_name("FILE");
+  command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
+  command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
+}
+
+void declare_quality(CLI::App& command, RenderOptions& options) {
+  render::RenderSettings& settings = options.settings;
+  command.add_option("-s,--spp", settings.samples, "Samples per pixel")
+      ->type_name("N")
+      ->check(whole_number_in(1, MAX_SAMPLES))
+      ->capture_default_str();
+  command
+      .add_option("--time", options.time_limit,
+                  "Stop after so many seconds of rendering, but not before every pixel has a sample. Without "
+                  "--spp on the command line as many samples as the time allows")
+      ->type_name("SECONDS")
+      ->check(number_in(0.0, 1e9));
+  command
+      .add_option(
+          "--noise", options.noise_target,
+          "Stop when the estimated relative error of the picture (the root of relMSE) is this small, "
+          "after 16 samples at least. Without --spp on the command line as many samples as that takes")
+      ->type_name("ERROR")
+      ->check(number_in(0.0, 1e3));
+  command.add_option("--seed", settings.seed, "Seed of the random numbers")
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option("--sampler", settings.sampler,
+                  "Random numbers: scrambled Sobol points, or independent numbers from a hash")
+      ->type_name(listed(names::SAMPLER))
+      ->transform(choice(names::SAMPLER))
+      ->default_str("sobol");
+  command.add_option("--filter", settings.filter, "Pixel filter")
+      ->type_name(listed(names::FILTER))
+      ->transform(choice(names::FILTER))
+      ->default_str("blackman-harris");
+  command
+      .add_option("--filter-radius", options.filter_radius,
+                  "Radius of the filter (default: 0.5 for box, 1.5 for the others)")
+      ->type_name("PIXELS")
+      ->check(number_in(0.0, 16.0));
+  command
+      .add_option("--clamp", settings.largest_contribution,
+                  "Largest value that one technique may add to a sample: fewer fireflies, lost light; for "
+                  "comparison")
+      ->type_name("RADIANCE")
+      ->check(positive_or_infinite());
+}
+
+void declare_transport(CLI::App& command, RenderOptions& options) {
+  render::RenderSettings& settings = options.settings;
+  command.add_option("-i,--integrator", options.integrator, "A named set of techniques")
+      ->type_name(listed(names::INTEGRATORS))
+      ->check(one_of(names_of(names::INTEGRATORS)))
+      ->capture_default_str();
+  command
+      .add_option("--techniques", options.techniques,
+                  "The techniques themselves, separated by commas: hit,nee,splat,connect,merge")
+      ->type_name("NAMES");
+  command.add_option("--max-depth", settings.max_depth, "Longest path, in edges")
+      ->type_name("N")
+      ->check(whole_number_in(1, 1024))
+      ->capture_default_str();
+  command
+      .add_option("--light-paths", settings.light_paths,
+                  "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
+      ->type_name("N")
+      ->check(whole_number_in(1, 1u << 28));
+  command
+      .add_option(
+          "--light-sampling", settings.light_sampling,
+          fmt::format("How surfaces choose the light they sample: bvh by what it can send there, power, "
+                      "uniform, or auto, which is bvh from {} lights on",
+                      many_lights()))
+      ->type_name(listed(names::LIGHT_SAMPLING))
+      ->transform(choice(names::LIGHT_SAMPLING))
+      ->default_str("auto");
+  command
+      .add_option("--connections", options.connections,
+                  "Light vertices that a camera vertex connects to: those of its own light path, or M drawn "
+                  "from all of the iteration")
+      ->type_name("paired|cache:M")
+      ->capture_default_str();
+  command
+      .add_option("--merge-radius", options.merge_radius,
+                  "Merge radius of the first iteration in metres, or in percent of the extent seen, as in "
+                  "0.3%; at most a tenth of it (default: a thousandth of the picture's height at the "
+                  "surfaces seen)")
+      ->type_name("METRES|PERCENT%");
+  command
+      .add_option("--merge-reduction", settings.merge_reduction,
+                  "The merge radius of iteration i is the first one's times i to minus this power")
+      ->type_name("EXPONENT")
+      ->check(number_in(0.0, 0.5))
+      ->capture_default_str();
+  command.add_option("--ndf", settings.ndf, "Distribution of microfacet normals")
+      ->type_name(listed(names::NDF))
+      ->transform(choice(names::NDF))
+      ->default_str("ggx");
+  command
+      .add_option("--shadowing", settings.shadowing,
+                  "Masking and shadowing of microfacets; smith is correlated by height")
+      ->type_name(listed(names::SHADOWING))
+      ->transform(choice(names::SHADOWING))
+      ->default_str("smith");
+  command.add_flag("--energy-compensation", settings.has_energy_compensation,
+                   "Rough metals, plastics and glass give back what single scattering between facets loses");
+}
+
+void declare_regularization(CLI::App& command, RenderOptions& options) {
+  render::RenderSettings& settings = options.settings;
+  command
+      .add_option(
+          "--regularization", options.regularization,
+          "How connections and merges see glossy and specular surfaces: as they are (none), with "
+          "raised roughness, by what they send into a small cone (virtual-merge), or both with raised "
+          "roughness and as they are")
+      ->type_name(listed(names::REGULARIZATION))
+      ->transform(choice(names::REGULARIZATION))
+      ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
+  command
+      .add_option("--tau", settings.tau,
+                  "Largest density of a regularized lobe: smaller blurs more, inf does not regularize")
+      ->type_name("1/SR")
+      ->check(positive_or_infinite())
+      ->capture_default_str();
+  command.add_option("--bound", settings.bound, "How roughness follows from tau")
+      ->type_name(listed(names::BOUND))
+      ->transform(choice(names::BOUND))
+      ->default_str("peak");
+  command
+      .add_option("--tau-schedule", options.tau_schedule,
+                  "consistent raises roughness less with every iteration, so that the picture converges to "
+                  "the truth")
+      ->type_name(listed(names::TAU_SCHEDULE))
+      ->transform(choice(names::TAU_SCHEDULE))
+      ->default_str("consistent");
+  command
+      .add_option("--diffusion", options.diffusion,
+                  "on: what the camera sees directly or through sharp surfaces alone is not regularized")
+      ->type_name(listed(names::DIFFUSION))
+      ->transform(choice(names::DIFFUSION))
+      ->default_str("on");
+  command
+      .add_option("--sampler-quality", settings.sampler_quality,
+                  "on: paths that some technique samples well are not regularized; smooth: with a soft "
+                  "transition")
+      ->type_name(listed(names::SAMPLER_QUALITY))
+      ->transform(choice(names::SAMPLER_QUALITY))
+      ->default_str("off");
+  command
+      .add_option("--mis", settings.mis,
+                  "Weights of regularized techniques: blended, corrected by the values of samples, or "
+                  "unmodified, which is wrong and there for comparison")
+      ->type_name(listed(names::MIS))
+      ->transform(choice(names::MIS))
+      ->default_str("blended");
+}
+
+void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
+  command.add_option("--size", options.size, "Size of the film in pixels (default: the scene's)")
+      ->type_name("WIDTHxHEIGHT");
+  command.add_option("--crop", options.crop, "Only these pixels, from the top left, x1 and y1 excluded")
+      ->type_name("x0,y0,x1,y1");
+  command.add_option("--camera", options.camera, "Camera by name or index (default: the first)")
+      ->type_name("CAMERA");
+  command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)")
+      ->type_name("INDEX");
+  command
+      .add_option("--variant", options.variant, "Material variant by name (default: the scene's, or none)")
+      ->type_name("NAME");
+  command
+      .add_option("--animation", options.animation,
+                  "Animation that poses the scene, by name or index (default: the scene's, or none)")
+      ->type_name("ANIMATION");
+  command
+      .add_option("--at", options.time, "Time at which the animation, or else the first one, poses the scene")
+      ->type_name("SECONDS")
+      ->check(number_in(-1e9, 1e9));
+  command
+      .add_option("--frames", options.frames,
+                  "A picture of each of these frames, number / fps seconds into the animation, in files of "
+                  "their own: the frame's number, as in name.0007.exr, or in place of #s in the name")
+      ->type_name("FIRST:LAST")
+      ->excludes("--at");
+  command.add_option("--fps", options.frames_per_second, "Frames per second of --frames")
+      ->type_name("RATE")
+      ->check(number_in(1e-6, 1e6))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--env", options.environment,
+          "Environment light: a latitude-longitude map, OpenEXR or Radiance HDR (default: the scene's)")
+      ->type_name("FILE");
+  command
+      .add_option("--env-rotation", options.environment_rotation,
+                  "Turns the environment about +y, counterclockwise seen from above")
+      ->type_name("DEGREES")
+      ->check(number_in(-1e6, 1e6));
+  command.add_option("--env-scale", options.environment_scale, "Factor on the environment's radiance")
+      ->type_name("FACTOR")
+      ->check(number_in(0.0, 1e12));
+  command.add_flag("--allow-external", options.allow_external,
+                   "Let the scene refer to files outside its folder");
+  command.add_flag("--strict", options.is_strict, STRICT_HELP);
+}
+
+void declare_device(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option("--device", options.device,
+                  "Vulkan device by index or part of its name (see regulus devices)")
+      ->type_name("DEVICE");
+  command
+      .add_option("--backend", options.backend,
+                  "Where to render: reference is the scalar double-precision reference, slow and without a "
+                  "device")
+      ->type_name("vulkan|reference")
+      ->check(one_of({"vulkan", "reference"}))
+      ->capture_default_str();
+  add_memory_option(command, options.memory_bytes);
+  command
+      .add_option("--wave", options.settings.wave_paths,
+                  "Paths in flight (default: chosen for the device; never changes the picture)")
+      ->type_name("N");
+  command
+      .add_option("--band", options.band_pixels,
+                  "Pixels rendered at once, in bands of rows (default: as the device's buffers hold; never "
+                  "changes the picture)")
+      ->type_name("N");
+}
+
+void declare_long_renders(CLI::App& command, RenderOptions& options) {
+  command
+      .add_option("--samples", options.sample_range,
+                  "Only these of the samples, with what `regulus merge` needs to join parts")
+      ->type_name("FIRST:COUNT")
+      ->excludes("--spp");
+  command
+      .add_option("--checkpoint", options.checkpoint,
+                  "File from which --resume can go on; itself an OpenEXR picture and a part for merge")
+      ->type_name("FILE");
+  command.add_option("--checkpoint-seconds", options.checkpoint_seconds, "Time between two states of it")
+      ->type_name("SECONDS")
+      ->check(number_in(0.0, 1e9))
+      ->capture_default_str();
+  command.add_flag("--resume", options.is_resumed, "Go on from the checkpoint if there is one")
+      ->needs("--checkpoint");
+}
+
+}  // namespace
+
+void add_memory_option(CLI::App& command, uint64_t& bytes) {
+  command
+      .add_option("--memory", bytes,
+                  "Most that a scene may take of the host's memory, and of the device's, as in 4G or 512M "
+                  "(default: three quarters of the machine's; of the device what is free)")
+      ->type_name("BYTES")
+      ->transform(CLI::AsSizeValue(false).description(""))
+      ->check(whole_number_in(1, std::numeric_limits<uint64_t>::max()));
+}
+
+void declare_render_options(CLI::App& command, RenderOptions& options) {
+  command.add_option("scene-file", options.scene_file, "The .gltf or .glb file to render")
+      ->required()
+      ->type_name("SCENE");
+  const std::pair<const char*, void (*)(CLI::App&, RenderOptions&)> topics[] = {
+      {"Output", declare_output},
+      {"Quality", declare_quality},
+      {"Transport", declare_transport},
+      {"Regularization", declare_regularization},
+      {"Camera and scene", declare_camera_and_scene},
+      {"Device", declare_device},
+      {"Long renders", declare_long_renders}};
+  for (const auto& [topic, declare] : topics) {
+    command.option_defaults()->group(topic);
+    declare(command, options);
+  }
+  command.option_defaults()->group("Options");
+}
+
+}  // namespace regulus::cli
