@@ -1,10 +1,10 @@
 #include "bench/page.hpp"
 
-#include <cmath>
 #include <string_view>
 
+#include "bench/page_text.hpp"
 #include "image/formats.hpp"
-#include "page_html.hpp"
+#include "pages.hpp"
 
 namespace regulus::bench {
 namespace {
@@ -25,11 +25,6 @@ std::string base64(std::string_view bytes) {
 
 std::string data_url(std::string_view png) {
   return "data:image/png;base64," + base64(png);
-}
-
-// JSON has no infinities and no NaN.
-nlohmann::json number(double value) {
-  return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr);
 }
 
 nlohmann::json run_json(const ErrorRun& run) {
@@ -72,16 +67,6 @@ void add_pictures(nlohmann::json& json, const Section& section) {
   }
 }
 
-// JSON inside a script element, which "</" would end: "<\/" means the same.
-std::string script_safe(std::string_view text) {
-  std::string safe;
-  for (const char c : text) {
-    if (c == '/' && !safe.empty() && safe.back() == '<') safe += '\\';
-    safe += c;
-  }
-  return safe;
-}
-
 }  // namespace
 
 nlohmann::json report_json(const Report& report) {
@@ -97,11 +82,7 @@ nlohmann::json report_json(const Report& report) {
 std::string page_of(const Report& report) {
   nlohmann::json json = report_json(report);
   for (size_t i = 0; i < report.sections.size(); ++i) add_pictures(json["sections"][i], report.sections[i]);
-  constexpr std::string_view MARK = "\"REPORT\"";
-  std::string page = PAGE_HTML;
-  page.replace(page.find(MARK), MARK.size(),
-               script_safe(json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)));
-  return page;
+  return filled_page(ERROR_PAGE, json);
 }
 
 }  // namespace regulus::bench

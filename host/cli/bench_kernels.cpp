@@ -14,6 +14,7 @@
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
 #include "cli/bench_skip.hpp"
+#include "cli/bench_stability.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/standard_streams.hpp"
@@ -214,6 +215,7 @@ void add_bench_command(CLI::App& app) {
   kernels->callback([options] { run_bench_kernels(*options); });
   add_bench_error_commands(*bench);
   add_bench_skip_command(*bench);
+  add_bench_stability_command(*bench);
 }
 
 }  // namespace regulus::cli

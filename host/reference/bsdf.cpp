@@ -22,6 +22,11 @@ double refraction_jacobian(const dvec3& wo, const dvec3& wi, const dvec3& h, dou
   return eta * eta * std::abs(dot(wi, h)) / (denominator * denominator);
 }
 
+/// The same from both sides: from the thin one it does not cancel near the critical angle.
+double fresnel_of_refraction(const dvec3& wo, const dvec3& wi, const dvec3& h, double eta) {
+  return eta < 1 ? fresnel_dielectric(-dot(wi, h), 1 / eta) : fresnel_dielectric(dot(wo, h), eta);
+}
+
 }  // namespace
 
 double luminance(const dvec3& color) {
@@ -174,14 +179,19 @@ dvec3 Bsdf::mean_transmittance(bool is_back) const {
   return glm::max(passed, dvec3(1e-6));
 }
 
-dvec3 Bsdf::transmittance(double cos_facet, double eta) const {
+dvec3 Bsdf::transmittance(double exact, double eta) const {
   return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color *
-         (1.0 - dielectric_.reflectance(cos_facet, eta));
+         (1.0 - dielectric_.remap(exact, eta));
 }
 
 double Bsdf::reflection_probability(double cos_facet, double eta) const {
-  const double reflected = luminance(reflectance(cos_facet, eta));
-  const double transmitted = luminance(transmittance(cos_facet, eta));
+  return reflection_probability(cos_facet, fresnel_dielectric(cos_facet, eta), eta);
+}
+
+double Bsdf::reflection_probability(double cos_facet, double exact, double eta) const {
+  const double reflected = luminance(parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
+                                     (1 - parameters_.metallic) * dielectric_.remap(exact, eta));
+  const double transmitted = luminance(transmittance(exact, eta));
   return reflected > 0 ? reflected / (reflected + transmitted) : 0;
 }
 
@@ -205,7 +215,7 @@ dvec3 Bsdf::refraction_value(const dvec3& wo, const dvec3& wi, double eta, Trans
       distribution(surface_, h) * masking_shadowing(surface_, wi, wo, h, Scattering::Transmission);
   const double importance =
       d_g * dot(wo, h) * refraction_jacobian(wo, wi, h, eta) / (std::abs(wi.z) * std::abs(wo.z));
-  return transmittance(dot(wo, h), eta) *
+  return transmittance(fresnel_of_refraction(wo, wi, h, eta), eta) *
          (mode == TransportMode::Radiance ? importance / (eta * eta) : importance);
 }
 
@@ -213,7 +223,7 @@ double Bsdf::refraction_pdf(const dvec3& wo, const dvec3& wi, double eta) const 
   const dvec3 h = refraction_half_vector(wo, wi, eta);
   if (dot(wo, h) <= 0 || dot(wi, h) >= 0) return 0;
   return visible_normal_pdf(surface_, wo, h) * refraction_jacobian(wo, wi, h, eta) *
-         (1 - reflection_probability(dot(wo, h), eta));
+         (1 - reflection_probability(dot(wo, h), fresnel_of_refraction(wo, wi, h, eta), eta));
 }
 
 /// In the frame with z up on that side of the surface.
@@ -268,7 +278,8 @@ dvec3 Bsdf::base_value(const dvec3& wo_material, const dvec3& wi_material, Trans
   if (is_delta() || parameters_.transmission == 0) return dvec3(0);
   if (parameters_.is_volume) return dielectric_gain(camera_z) * refraction_value(wo, wi, eta, mode);
   const dvec3 wi_mirrored = mirror_z(wi);
-  return dielectric_gain(camera_z) * transmittance(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta) *
+  return dielectric_gain(camera_z) *
+         transmittance(fresnel_dielectric(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta), eta) *
          mirror_lobe_value(wo, wi_mirrored);
 }
 
@@ -355,7 +366,7 @@ BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, boo
   } else {
     result.wi = parameters_.is_volume ? refract_at(wo, normal, eta) : -wo;
     const double scale = parameters_.is_volume && mode == TransportMode::Radiance ? 1 / (eta * eta) : 1;
-    result.weight = transmittance(wo.z, eta) * scale / result.pdf_forward;
+    result.weight = transmittance(fresnel_dielectric(wo.z, eta), eta) * scale / result.pdf_forward;
   }
   result.is_valid = result.pdf_forward > 0;
   return result;
@@ -395,7 +406,7 @@ BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode 
     const double scale = sample.is_transmitted && parameters_.is_volume && mode == TransportMode::Radiance
                              ? 1 / (eta * eta)
                              : 1;
-    factor = (sample.is_transmitted ? transmittance(std::abs(wo.z), eta) * scale
+    factor = (sample.is_transmitted ? transmittance(fresnel_dielectric(std::abs(wo.z), eta), eta) * scale
                                     : reflectance(std::abs(wo.z), eta)) *
              ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
   }

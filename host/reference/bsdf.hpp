@@ -156,8 +156,10 @@ class Bsdf {
     double diffuse, facets;
   };
   Shares shares(const glm::dvec3& w) const;
-  glm::dvec3 transmittance(double cos_facet, double eta) const;  // (1 - m) t base (1 - F_d)
+  /// (1 - m) t base (1 - F_d). `exact`: reflectance of the bare interface, as is
+  glm::dvec3 transmittance(double exact, double eta) const;
   double reflection_probability(double cos_facet, double eta) const;
+  double reflection_probability(double cos_facet, double exact, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
   glm::dvec3 from_coat(const glm::dvec3& w, bool is_back) const;
   Basis coat_basis(bool is_back) const;
