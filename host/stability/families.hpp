@@ -8,4 +8,13 @@ namespace regulus::stability {
 /// Microfacet lobes: value, pdfs, regularized values and sampling weights.
 std::vector<Sweep> sweep_bsdf(gpu::Device& device, Extent extent);
 
+/// Weights of multiple importance sampling, and that they sum to one.
+std::vector<Sweep> sweep_weights(gpu::Device& device, Extent extent);
+
+/// Rays against triangles: distances, and rays that no closed surface may let through.
+std::vector<Sweep> sweep_geometry(gpu::Device& device, Extent extent);
+
+/// Sums of the film, samples that it must refuse, and the power of narrow spots.
+std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent);
+
 }  // namespace regulus::stability

@@ -12,7 +12,8 @@ struct Family {
   std::vector<Sweep> (*sweep)(gpu::Device&, Extent);
 };
 
-constexpr Family FAMILIES[] = {{"bsdf", sweep_bsdf}};
+constexpr Family FAMILIES[] = {
+    {"bsdf", sweep_bsdf}, {"weights", sweep_weights}, {"geometry", sweep_geometry}, {"film", sweep_film}};
 
 }  // namespace
 

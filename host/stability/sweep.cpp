@@ -11,7 +11,7 @@ constexpr double DOUBLE_SHARE = 0x1p-29;
 
 double relative_error(double value, Exact truth, double floor) {
   const Exact error = std::abs(static_cast<Exact>(value) - truth);
-  if (error <= floor) return 0;
+  if (error <= floor && std::abs(truth) <= floor) return 0;
   return static_cast<double>(error / std::max(std::abs(truth), static_cast<Exact>(floor)));
 }
 
@@ -23,7 +23,7 @@ void Sweep::add(const Measured& measured, const std::function<std::string()>& de
   point.parameter = measured.parameter;
   ++point.cases;
   const bool is_device_finite = std::isfinite(measured.device);
-  const bool is_reference_finite = std::isfinite(measured.reference);
+  const bool is_reference_finite = !text_.has_reference || std::isfinite(measured.reference);
   non_finite_device_ += is_device_finite ? 0 : 1;
   non_finite_reference_ += is_reference_finite ? 0 : 1;
   const Exact scale = std::max(std::abs(measured.truth), static_cast<Exact>(text_.floor));
@@ -32,8 +32,9 @@ void Sweep::add(const Measured& measured, const std::function<std::string()>& de
   lost_ += is_known ? 0 : 1;
   const double device_error =
       is_device_finite ? relative_error(measured.device, measured.truth, text_.floor) : 0;
-  const double reference_error =
-      is_reference_finite ? relative_error(measured.reference, measured.truth, text_.floor) : 0;
+  const double reference_error = text_.has_reference && is_reference_finite
+                                     ? relative_error(measured.reference, measured.truth, text_.floor)
+                                     : 0;
   const double bound = text_.own + moved;
   point.device_error = std::max(point.device_error, device_error);
   point.reference_error = std::max(point.reference_error, reference_error);

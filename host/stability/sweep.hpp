@@ -23,6 +23,8 @@ struct SweepText {
   double own = 0;            ///< relative error that the device's arithmetic may have of its own
   double own_reference = 0;  ///< the same of the reference
   double floor = 1e-30;      ///< magnitude below which devices may flush to zero
+  bool has_reference =
+      true;  ///< false: the reference has no such thing, and Measured::reference does not count
 };
 
 /// Worst of all cases at one value of the parameter.

@@ -61,9 +61,14 @@ void film_add(DeviceAddress film, uint pixel, vec3 radiance) {
   film_add_channel(film, base + 6u, radiance.b);
 }
 
-// A sample that is not finite, or negative, must not reach the film: it is a bug, and is counted.
+// A sample that is not finite, or negative, must not reach the film: it is a bug, and is counted. By its bits: a driver may
+// take it that there are no NaNs, and comparisons with it.
 bool is_valid_sample(vec3 radiance) {
-  return !(any(isnan(radiance)) || any(isinf(radiance)) || any(lessThan(radiance, vec3(0.0))));
+  const uint LARGEST = 0x7F7FFFFFu, MINUS_ZERO = 0x80000000u;
+  uvec3 bits = floatBitsToUint(radiance);
+  bvec3 is_beyond = greaterThan(bits, uvec3(LARGEST));  // also whatever has a sign
+  return !any(bvec3(is_beyond.x && bits.x != MINUS_ZERO, is_beyond.y && bits.y != MINUS_ZERO,
+                    is_beyond.z && bits.z != MINUS_ZERO));
 }
 
 // The baseline against which regularization is compared: bright contributions are scaled down, their energy is lost.

@@ -37,6 +37,52 @@ struct StabilityBsdfResult {
 };
 REGULUS_LAYOUT(StabilityBsdfResult, 36);
 
+struct StabilitySpot {
+  float cos_inner, cos_outer;  // of the half angles
+  vec2 u;
+};
+REGULUS_LAYOUT(StabilitySpot, 16);
+
+// What light tracing starts with; the spot shines along z with an intensity of 1.
+struct StabilityRay {
+  vec3 direction;
+  float throughput;   // intensity over pdf
+  float inverse_pdf;  // solid-angle
+};
+REGULUS_LAYOUT(StabilityRay, 20);
+
+// A path x_0 ... x_K as weights see it. steps[i]: pdfs of vertex x_i (unused at x_0) and the edge from x_i to x_{i+1}.
+REGULUS_CONSTANT STABILITY_MAX_EDGES = 64u;
+
+struct StabilityStep {
+  float forward;         // solid-angle pdf of going on from x_i to x_{i+1}
+  float reverse;         // and of going back to x_{i-1}
+  float distance;
+  float cos_light_end;   // at x_i
+  float cos_camera_end;  // at x_{i+1}
+};
+REGULUS_LAYOUT(StabilityStep, 20);
+
+struct StabilityPath {
+  uint edges;            // K, 2 .. STABILITY_MAX_EDGES
+  float light_paths;     // N
+  float merge;           // N pi r^2
+  float connect_pdf;     // area pdf of x_0 by nee
+  float point_pdf;       // and for emission
+  float direction_pdf;   // solid-angle pdf of emitting towards x_1
+  float camera_pdf;      // solid-angle pdf of the camera's ray to x_{K-1}
+  StabilityStep steps[STABILITY_MAX_EDGES];
+};
+REGULUS_LAYOUT(StabilityPath, 1308);
+
+// Of all techniques: hit at 0, nee, connections and splat at s = 1 .. K, merges at STABILITY_MAX_EDGES + j, j = 1 .. K - 1.
+REGULUS_CONSTANT STABILITY_WEIGHTS = 2u * STABILITY_MAX_EDGES;
+
+struct StabilityWeights {
+  float weights[STABILITY_WEIGHTS];
+};
+REGULUS_LAYOUT(StabilityWeights, 512);
+
 REGULUS_INTERFACE_END
 
 #endif

@@ -13,6 +13,8 @@ const curvesOf = sweep => [
 const dot = (color, text) => [element("span", { style: `color:${color}` }, "● "), text];
 
 function table(sweeps) {
+  const bounds = [...new Set(sweeps.map(s => s.bound_source))];
+  const letter = s => String.fromCharCode(97 + bounds.indexOf(s.bound_source));
   const head = element("tr", {}, ...["", "cases", ["device", DEVICE], "of its bound", ["reference", REFERENCE], "of its bound",
     "device within 1 %", "not finite", "lost", "bound"]
     .map(text => element("th", {}, ...(Array.isArray(text) ? dot(text[1], text[0]) : [text]))));
@@ -22,9 +24,10 @@ function table(sweeps) {
     return element("tr", { style: broken, title: s.worst_case }, element("td", {}, s.name), element("td", {}, String(s.cases)),
       ...[s.device, s.device_ratio, s.reference, s.reference_ratio].map(v => element("td", {}, number(v))),
       element("td", {}, range), element("td", {}, `${s.non_finite_device} + ${s.non_finite_reference}`),
-      element("td", {}, String(s.lost)), element("td", { class: "options" }, s.bound_source));
+      element("td", {}, String(s.lost)), element("td", {}, letter(s)));
   });
-  return element("table", {}, head, ...rows);
+  return element("div", {}, element("table", {}, head, ...rows),
+    ...bounds.map((text, i) => element("p", {}, `Bound ${String.fromCharCode(97 + i)}: ${text}.`)));
 }
 
 function show(family) {
