@@ -14,6 +14,7 @@ function(regulus_precompiled_group group)
 endfunction()
 
 regulus_precompiled_group(host fmt::fmt glm::glm)
+set_target_properties(regulus_precompiled_host PROPERTIES POSITION_INDEPENDENT_CODE ON)  # as what reads them
 target_precompile_headers(regulus_precompiled_host PRIVATE ${REGULUS_COMMON_HEADERS})
 if(REGULUS_TESTS)
   regulus_precompiled_group(tests fmt::fmt glm::glm GTest::gtest nlohmann_json::nlohmann_json)

@@ -56,5 +56,6 @@ std::span<const uint32_t> spirv(std::string_view name) {
 }
 ")
   add_library(${target} STATIC ${registry} ${headers})
+  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/${target})
 endfunction()

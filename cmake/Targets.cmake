@@ -1,7 +1,7 @@
 # regulus_library(NAME SOURCES... LINK...) and regulus_test(NAME SOURCES... LINK...):
 # the warnings, include roots and conventions that all targets share.
 add_library(regulus_options INTERFACE)
-target_include_directories(regulus_options INTERFACE ${CMAKE_SOURCE_DIR}/host ${CMAKE_SOURCE_DIR}/shaders)
+target_include_directories(regulus_options INTERFACE ${CMAKE_SOURCE_DIR}/host ${CMAKE_SOURCE_DIR}/host/include ${CMAKE_SOURCE_DIR}/shaders)
 target_compile_options(regulus_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -Wno-sign-conversion -ffp-contract=off)
 if(REGULUS_WERROR)
@@ -12,6 +12,7 @@ endif()
 function(regulus_library name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;HEADERS" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
+  set_target_properties(${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)  # goes into libregulus, too
   target_link_libraries(${name} PUBLIC regulus_options ${ARG_LINK})
   if(ARG_HEADERS)
     target_precompile_headers(${name} PRIVATE ${REGULUS_COMMON_HEADERS} ${ARG_HEADERS})

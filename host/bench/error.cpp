@@ -76,7 +76,7 @@ Trial run_trial(gpu::Device& device, const PreparedScene& prepared, render::Rend
     cpu_seconds = process_cpu_seconds() - cpu_start - comparing_cpu;
   };
   renderer.render([&](uint64_t done, uint64_t) {
-    if (budget.is_interrupted && budget.is_interrupted()) throw Error(ExitStatus::Interrupted, "interrupted");
+    if (budget.is_interrupted && budget.is_interrupted()) throw Error(ErrorCode::Interrupted, "interrupted");
     read_clocks();
     compare();
     const double spent = budget.counts_cpu_time ? cpu_seconds : seconds;

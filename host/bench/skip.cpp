@@ -215,7 +215,7 @@ class Subject {
     const double start = process_cpu_seconds();
     renderer.render([&](uint64_t, uint64_t) { return !budget_.is_interrupted || !budget_.is_interrupted(); });
     if (budget_.is_interrupted && budget_.is_interrupted())
-      throw Error(ExitStatus::Interrupted, "interrupted");
+      throw Error(ErrorCode::Interrupted, "interrupted");
     bytes_ = device_.allocated_bytes() - before - prepared_.bvh.nodes.size() * sizeof(prepared_.bvh.nodes[0]);
     bytes_per_path_ = renderer.statistics().bytes_per_path;
     return process_cpu_seconds() - start;

@@ -157,7 +157,7 @@ Box bounds_of(const InputTriangle& triangle) {
 BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
   const EmbreeDevice device(rtcNewDevice(nullptr));
   const EmbreeBvh bvh(device ? rtcNewBVH(device.get()) : nullptr);
-  if (!bvh) throw Error(ExitStatus::Failed, "acceleration structure: Embree cannot make a device");
+  if (!bvh) throw Error(ErrorCode::Failed, "acceleration structure: Embree cannot make a device");
   std::vector<RTCBuildPrimitive> primitives = build_primitives(boxes);
 
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
@@ -184,7 +184,7 @@ BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
   // Embree reports its depth limit as an unknown error.
   if (error == RTC_ERROR_UNKNOWN) return {};
   throw Error(
-      ExitStatus::Failed,
+      ErrorCode::Failed,
       fmt::format("acceleration structure over {} triangles: Embree failed (error {}); is memory short?",
                   boxes.size(), static_cast<int>(error)));
 }

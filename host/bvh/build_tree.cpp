@@ -11,12 +11,12 @@ namespace regulus::bvh {
 void require_encodable(size_t triangles, size_t nodes, size_t instances) {
   if (triangles > interface::BVH_LEAF_FIRST_MASK || nodes > interface::BVH_MAX_NODES)
     throw Error(
-        ExitStatus::Failed,
+        ErrorCode::Failed,
         fmt::format("acceleration structure: {} triangles in {} nodes exceed the limit of {} triangles in {} "
                     "nodes; split the scene",
                     triangles, nodes, interface::BVH_LEAF_FIRST_MASK, interface::BVH_MAX_NODES));
   if (instances > interface::BVH_MAX_INSTANCES)
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("acceleration structure: {} instances exceed the limit of {}; split "
                             "the scene",
                             instances, interface::BVH_MAX_INSTANCES));
@@ -34,7 +34,7 @@ Bvh build_tree(std::span<const InputTriangle> triangles, std::span<const Box> bo
     wide = collapse(binary, first_instance);
   }
   if (wide.depth > max_depth)
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("acceleration structure: {} levels over {} triangles, at most {} can "
                             "be traversed; split the scene",
                             wide.depth, triangles.size(), max_depth));

@@ -31,10 +31,10 @@ reference::Settings reference_settings(const render::Plan& plan) {
   if (std::isfinite(plan.largest_contribution) &&
       ((plan.regularization & interface::REGULARIZATION_BOTH) != 0 ||
        plan.sampler_quality != interface::SAMPLER_QUALITY_OFF))
-    throw Error(ExitStatus::BadUsage,
-                "the scalar reference has no --clamp with --regularization both or sampler quality");
+    throw Error(ErrorCode::BadUsage,
+                "the scalar reference cannot clamp with regularization both or sampler quality");
   if ((plan.aovs & render::AOV_SIGMA) != 0)
-    throw Error(ExitStatus::BadUsage, "the scalar reference has no --aov sigma");
+    throw Error(ErrorCode::BadUsage, "the scalar reference has no aov sigma");
   reference::Settings result;
   result.width = plan.width;
   result.height = plan.height;

@@ -59,7 +59,7 @@ std::vector<BenchConfig> parse_configs(const std::string& list) {
                           ? BenchConfig{entry, entry}
                           : BenchConfig{entry.substr(0, equals), entry.substr(equals + 1)});
   }
-  if (configs.empty()) throw Error(ExitStatus::BadUsage, "--configs: the list is empty");
+  if (configs.empty()) throw Error(ErrorCode::BadUsage, "--configs: the list is empty");
   return configs;
 }
 
@@ -106,7 +106,8 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
     section.reference_relmse = std::numeric_limits<double>::quiet_NaN();
 
   render::Window region;
-  if (!options.region.empty()) region = parse_window("--region", options.region, {whole.width, whole.height});
+  if (!options.region.empty())
+    region = session::parse_window("region", options.region, {whole.width, whole.height});
 
   const PreparedScene prepared = prepare(scene::load(comparison.scene, {}));
   say("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene, whole.width,
@@ -140,7 +141,7 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
 void require_valid(const BenchComparison& comparison, const BenchErrorOptions& options, OutputGuard& guard) {
   const fs::path file = reference_file(comparison.scene, options.references);
   if (!fs::exists(file))
-    throw Error(ExitStatus::BadFile,
+    throw Error(ErrorCode::BadFile,
                 fmt::format("{}: no such reference; make it with: regulus bench reference {} -o {}",
                             file.string(), comparison.scene, file.string()));
   for (const BenchConfig& config : comparison.configs) {
@@ -234,7 +235,7 @@ void declare_budget(CLI::App& command, bench::ErrorBudget& budget) {
                    "Count CPU seconds of this process: fair on a busy machine, for software devices");
   command.add_option("-s,--spp", budget.samples, "Samples per pixel for each seed, instead of a time")
       ->type_name("N")
-      ->check(whole_number_in(1, MAX_SAMPLES));
+      ->check(whole_number_in(1, session::MAX_SAMPLES));
   command.add_option("--seeds", budget.seeds, "Independent renders")
       ->type_name("N")
       ->check(whole_number_in(2, 1000))

@@ -101,7 +101,7 @@ class SceneBench {
     const std::pair<const char*, const std::vector<interface::BenchRay>*> kinds[] = {
         {"primary", &rays_.primary}, {"diffuse", &rays_.diffuse}, {"shadow", &rays_.shadow}};
     for (const auto& [kind, rays] : kinds) {
-      if (rays->empty()) throw Error(ExitStatus::BadFile, fmt::format("{}: its camera sees nothing", name_));
+      if (rays->empty()) throw Error(ErrorCode::BadFile, fmt::format("{}: its camera sees nothing", name_));
       results.push_back(measure(kind, *rays, false));
       results.push_back(measure(kind, *rays, true));
     }

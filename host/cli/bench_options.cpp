@@ -25,7 +25,7 @@ void parse_render_options(const std::string& text, const std::string& scene_file
   try {
     command.parse(words);
   } catch (const CLI::ParseError& error) {
-    throw Error(ExitStatus::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
+    throw Error(ErrorCode::BadUsage, fmt::format("options \"{}\": {}", text, error.what()));
   }
   require_no_outputs(options, fmt::format("options \"{}\": a benchmark", text));
 }

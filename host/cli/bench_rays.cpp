@@ -91,7 +91,7 @@ EmbreeScene::EmbreeScene(std::span<const bvh::InputTriangle> triangles) : impl_(
   auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
       geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), triangles.size()));
   if (vertices == nullptr || indices == nullptr)
-    throw Error(ExitStatus::Failed, "bench: Embree is out of memory; use a smaller scene");
+    throw Error(ErrorCode::Failed, "bench: Embree is out of memory; use a smaller scene");
   for (size_t i = 0; i < triangles.size(); ++i)
     std::copy_n(triangles[i].vertices.begin(), 3, vertices + 3 * i);
   for (uint32_t i = 0; i < 3 * triangles.size(); ++i) indices[i] = i;

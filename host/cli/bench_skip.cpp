@@ -49,7 +49,7 @@ void run_bench_skip(BenchSkipOptions& options) {
   gpu::Device device({.select = options.device, .software_stage_times = false});
   if (device.info().kind != gpu::DeviceKind::Software)
     throw Error(
-        ExitStatus::BadUsage,
+        ErrorCode::BadUsage,
         fmt::format(
             "bench skip counts CPU seconds, and {} does not compute on the CPU; choose another --device",
             device.info().name));

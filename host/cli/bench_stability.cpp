@@ -66,7 +66,7 @@ void run_bench_stability(const BenchStabilityOptions& options) {
                                     [](const stability::Sweep& sweep) { return !sweep.holds(); });
   if (broken > 0)
     throw Error(
-        ExitStatus::Failed,
+        ErrorCode::Failed,
         fmt::format("bench stability: {} of {} sweeps leave their bounds on {}; their worst cases are above",
                     broken, report.sweeps.size(), report.device));
 }

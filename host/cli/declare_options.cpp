@@ -24,6 +24,19 @@ size_t many_lights() {
   return count;
 }
 
+/// An option that is a setting of a render: it takes what session::Setting of that name takes.
+CLI::Option* add_setting(CLI::App& command, RenderOptions& options, const std::string& names,
+                         const std::string& help) {
+  const session::Setting& setting = session::find_setting(names.substr(names.find("--") + 2));
+  return command
+      .add_option_function<std::string>(
+          names, [&options, &setting](const std::string& text) { setting.take(options, text); }, help)
+      ->check([&setting](const std::string& text) {
+        session::Request scratch;
+        return setting.take(scratch, text).value_or("");
+      });
+}
+
 void declare_output(CLI::App& command, RenderOptions& options) {
   command
       .add_option("-o,--output", options.output,
@@ -34,10 +47,8 @@ void declare_output(CLI::App& command, RenderOptions& options) {
   command.add_option("--exposure", options.exposure_ev, "Exposure of PNG and JPEG")
       ->type_name("STOPS")
       ->check(number_in(-100.0, 100.0));
-  command
-      .add_option(
-          "--aov", options.aovs,
-          fmt::format("Extra channels, separated by commas: {}", fmt::join(render::known_aovs(), ", ")))
+  add_setting(command, options, "--aov",
+              fmt::format("Extra channels, separated by commas: {}", fmt::join(render::known_aovs(), ", ")))
       ->type_name("NAMES");
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP)->type_name("FOLDER");
   command.add_option("--stats", options.stats, "Write times, rays and memory as JSON")->type_name("FILE");
@@ -47,104 +58,76 @@ void declare_output(CLI::App& command, RenderOptions& options) {
 
 void declare_quality(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
-  command.add_option("-s,--spp", settings.samples, "Samples per pixel")
+  add_setting(command, options, "-s,--spp", "Samples per pixel")
       ->type_name("N")
-      ->check(whole_number_in(1, MAX_SAMPLES))
-      ->capture_default_str();
-  command
-      .add_option("--time", options.time_limit,
-                  "Stop after so many seconds of rendering, but not before every pixel has a sample. Without "
-                  "--spp on the command line as many samples as the time allows")
-      ->type_name("SECONDS")
-      ->check(number_in(0.0, 1e9));
-  command
-      .add_option(
-          "--noise", options.noise_target,
-          "Stop when the estimated relative error of the picture (the root of relMSE) is this small, "
-          "after 16 samples at least. Without --spp on the command line as many samples as that takes")
-      ->type_name("ERROR")
-      ->check(number_in(0.0, 1e3));
-  command.add_option("--seed", settings.seed, "Seed of the random numbers")
+      ->default_str(std::to_string(settings.samples));
+  add_setting(command, options, "--time",
+              "Stop after so many seconds of rendering, but not before every pixel has a sample. Without "
+              "--spp on the command line as many samples as the time allows")
+      ->type_name("SECONDS");
+  add_setting(command, options, "--noise",
+              "Stop when the estimated relative error of the picture (the root of relMSE) is this small, "
+              "after 16 samples at least. Without --spp on the command line as many samples as that takes")
+      ->type_name("ERROR");
+  add_setting(command, options, "--seed", "Seed of the random numbers")
       ->type_name("N")
-      ->capture_default_str();
-  command
-      .add_option("--sampler", settings.sampler,
-                  "Random numbers: scrambled Sobol points, or independent numbers from a hash")
+      ->default_str(std::to_string(settings.seed));
+  add_setting(command, options, "--sampler",
+              "Random numbers: scrambled Sobol points, or independent numbers from a hash")
       ->type_name(listed(names::SAMPLER))
-      ->transform(choice(names::SAMPLER))
       ->default_str("sobol");
-  command.add_option("--filter", settings.filter, "Pixel filter")
+  add_setting(command, options, "--filter", "Pixel filter")
       ->type_name(listed(names::FILTER))
-      ->transform(choice(names::FILTER))
       ->default_str("blackman-harris");
-  command
-      .add_option("--filter-radius", options.filter_radius,
-                  "Radius of the filter (default: 0.5 for box, 1.5 for the others)")
-      ->type_name("PIXELS")
-      ->check(number_in(0.0, 16.0));
-  command
-      .add_option("--clamp", settings.largest_contribution,
-                  "Largest value that one technique may add to a sample: fewer fireflies, lost light; for "
-                  "comparison")
-      ->type_name("RADIANCE")
-      ->check(positive_or_infinite());
+  add_setting(command, options, "--filter-radius",
+              "Radius of the filter (default: 0.5 for box, 1.5 for the others)")
+      ->type_name("PIXELS");
+  add_setting(command, options, "--clamp",
+              "Largest value that one technique may add to a sample: fewer fireflies, lost light; for "
+              "comparison")
+      ->type_name("RADIANCE");
 }
 
 void declare_transport(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
-  command.add_option("-i,--integrator", options.integrator, "A named set of techniques")
+  add_setting(command, options, "-i,--integrator", "A named set of techniques")
       ->type_name(listed(names::INTEGRATORS))
-      ->check(one_of(names_of(names::INTEGRATORS)))
-      ->capture_default_str();
-  command
-      .add_option("--techniques", options.techniques,
-                  "The techniques themselves, separated by commas: hit,nee,splat,connect,merge")
+      ->default_str(options.integrator);
+  add_setting(command, options, "--techniques",
+              "The techniques themselves, separated by commas: hit,nee,splat,connect,merge")
       ->type_name("NAMES");
-  command.add_option("--max-depth", settings.max_depth, "Longest path, in edges")
+  add_setting(command, options, "--max-depth", "Longest path, in edges")
       ->type_name("N")
-      ->check(whole_number_in(1, 1024))
-      ->capture_default_str();
-  command
-      .add_option("--light-paths", settings.light_paths,
-                  "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
-      ->type_name("N")
-      ->check(whole_number_in(1, 1u << 28));
-  command
-      .add_option(
-          "--light-sampling", settings.light_sampling,
-          fmt::format("How surfaces choose the light they sample: bvh by what it can send there, power, "
-                      "uniform, or auto, which is bvh from {} lights on",
-                      many_lights()))
+      ->default_str(std::to_string(settings.max_depth));
+  add_setting(command, options, "--light-paths",
+              "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
+      ->type_name("N");
+  add_setting(command, options, "--light-sampling",
+              fmt::format("How surfaces choose the light they sample: bvh by what it can send there, power, "
+                          "uniform, or auto, which is bvh from {} lights on",
+                          many_lights()))
       ->type_name(listed(names::LIGHT_SAMPLING))
-      ->transform(choice(names::LIGHT_SAMPLING))
       ->default_str("auto");
-  command
-      .add_option("--connections", options.connections,
-                  "Light vertices that a camera vertex connects to: those of its own light path, or M drawn "
-                  "from all of the iteration")
+  add_setting(command, options, "--connections",
+              "Light vertices that a camera vertex connects to: those of its own light path, or M drawn "
+              "from all of the iteration")
       ->type_name("paired|cache:M")
-      ->capture_default_str();
-  command
-      .add_option("--merge-radius", options.merge_radius,
-                  "Merge radius of the first iteration in metres, or in percent of the extent seen, as in "
-                  "0.3%; at most a tenth of it (default: a thousandth of the picture's height at the "
-                  "surfaces seen)")
+      ->default_str(options.connections);
+  add_setting(command, options, "--merge-radius",
+              "Merge radius of the first iteration in metres, or in percent of the extent seen, as in "
+              "0.3%; at most a tenth of it (default: a thousandth of the picture's height at the "
+              "surfaces seen)")
       ->type_name("METRES|PERCENT%");
-  command
-      .add_option("--merge-reduction", settings.merge_reduction,
-                  "The merge radius of iteration i is the first one's times i to minus this power")
+  add_setting(command, options, "--merge-reduction",
+              "The merge radius of iteration i is the first one's times i to minus this power")
       ->type_name("EXPONENT")
-      ->check(number_in(0.0, 0.5))
-      ->capture_default_str();
-  command.add_option("--ndf", settings.ndf, "Distribution of microfacet normals")
+      ->default_str(fmt::format("{:g}", settings.merge_reduction));
+  add_setting(command, options, "--ndf", "Distribution of microfacet normals")
       ->type_name(listed(names::NDF))
-      ->transform(choice(names::NDF))
       ->default_str("ggx");
-  command
-      .add_option("--shadowing", settings.shadowing,
-                  "Masking and shadowing of microfacets; smith is correlated by height")
+  add_setting(command, options, "--shadowing",
+              "Masking and shadowing of microfacets; smith is correlated by height")
       ->type_name(listed(names::SHADOWING))
-      ->transform(choice(names::SHADOWING))
       ->default_str("smith");
   command.add_flag("--energy-compensation", settings.has_energy_compensation,
                    "Rough metals, plastics and glass give back what single scattering between facets loses");
@@ -152,60 +135,46 @@ void declare_transport(CLI::App& command, RenderOptions& options) {
 
 void declare_regularization(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
-  command
-      .add_option(
-          "--regularization", options.regularization,
-          "How connections and merges see glossy and specular surfaces: as they are (none), with "
-          "raised roughness, by what they send into a small cone (virtual-merge), or both with raised "
-          "roughness and as they are")
+  add_setting(command, options, "--regularization",
+              "How connections and merges see glossy and specular surfaces: as they are (none), with "
+              "raised roughness, by what they send into a small cone (virtual-merge), or both with raised "
+              "roughness and as they are")
       ->type_name(listed(names::REGULARIZATION))
-      ->transform(choice(names::REGULARIZATION))
       ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
-  command
-      .add_option("--tau", settings.tau,
-                  "Largest density of a regularized lobe: smaller blurs more, inf does not regularize")
+  add_setting(command, options, "--tau",
+              "Largest density of a regularized lobe: smaller blurs more, inf does not regularize")
       ->type_name("1/SR")
-      ->check(positive_or_infinite())
-      ->capture_default_str();
-  command.add_option("--bound", settings.bound, "How roughness follows from tau")
+      ->default_str(fmt::format("{:g}", settings.tau));
+  add_setting(command, options, "--bound", "How roughness follows from tau")
       ->type_name(listed(names::BOUND))
-      ->transform(choice(names::BOUND))
       ->default_str("peak");
-  command
-      .add_option("--tau-schedule", options.tau_schedule,
-                  "consistent raises roughness less with every iteration, so that the picture converges to "
-                  "the truth")
+  add_setting(command, options, "--tau-schedule",
+              "consistent raises roughness less with every iteration, so that the picture converges to "
+              "the truth")
       ->type_name(listed(names::TAU_SCHEDULE))
-      ->transform(choice(names::TAU_SCHEDULE))
       ->default_str("consistent");
-  command
-      .add_option("--diffusion", options.diffusion,
-                  "on: what the camera sees directly or through sharp surfaces alone is not regularized")
+  add_setting(command, options, "--diffusion",
+              "on: what the camera sees directly or through sharp surfaces alone is not regularized")
       ->type_name(listed(names::DIFFUSION))
-      ->transform(choice(names::DIFFUSION))
       ->default_str("on");
-  command
-      .add_option("--sampler-quality", settings.sampler_quality,
-                  "on: paths that some technique samples well are not regularized; smooth: with a soft "
-                  "transition")
+  add_setting(command, options, "--sampler-quality",
+              "on: paths that some technique samples well are not regularized; smooth: with a soft "
+              "transition")
       ->type_name(listed(names::SAMPLER_QUALITY))
-      ->transform(choice(names::SAMPLER_QUALITY))
       ->default_str("off");
-  command
-      .add_option("--mis", settings.mis,
-                  "Weights of regularized techniques: blended, corrected by the values of samples, or "
-                  "unmodified, which is wrong and there for comparison")
+  add_setting(command, options, "--mis",
+              "Weights of regularized techniques: blended, corrected by the values of samples, or "
+              "unmodified, which is wrong and there for comparison")
       ->type_name(listed(names::MIS))
-      ->transform(choice(names::MIS))
       ->default_str("blended");
 }
 
 void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
-  command.add_option("--size", options.size, "Size of the film in pixels (default: the scene's)")
+  add_setting(command, options, "--size", "Size of the film in pixels (default: the scene's)")
       ->type_name("WIDTHxHEIGHT");
-  command.add_option("--crop", options.crop, "Only these pixels, from the top left, x1 and y1 excluded")
+  add_setting(command, options, "--crop", "Only these pixels, from the top left, x1 and y1 excluded")
       ->type_name("x0,y0,x1,y1");
-  command.add_option("--camera", options.camera, "Camera by name or index (default: the first)")
+  add_setting(command, options, "--camera", "Camera by name or index (default: the first)")
       ->type_name("CAMERA");
   command.add_option("--scene", options.scene_index, "Scene of the file by index (default: its own default)")
       ->type_name("INDEX");
@@ -261,21 +230,18 @@ void declare_device(CLI::App& command, RenderOptions& options) {
       ->check(one_of({"vulkan", "reference"}))
       ->capture_default_str();
   add_memory_option(command, options.memory_bytes);
-  command
-      .add_option("--wave", options.settings.wave_paths,
-                  "Paths in flight (default: chosen for the device; never changes the picture)")
+  add_setting(command, options, "--wave",
+              "Paths in flight (default: chosen for the device; never changes the picture)")
       ->type_name("N");
-  command
-      .add_option("--band", options.band_pixels,
-                  "Pixels rendered at once, in bands of rows (default: as the device's buffers hold; never "
-                  "changes the picture)")
+  add_setting(command, options, "--band",
+              "Pixels rendered at once, in bands of rows (default: as the device's buffers hold; never "
+              "changes the picture)")
       ->type_name("N");
 }
 
 void declare_long_renders(CLI::App& command, RenderOptions& options) {
-  command
-      .add_option("--samples", options.sample_range,
-                  "Only these of the samples, with what `regulus merge` needs to join parts")
+  add_setting(command, options, "--samples",
+              "Only these of the samples, with what `regulus merge` needs to join parts")
       ->type_name("FIRST:COUNT")
       ->excludes("--spp");
   command

@@ -32,7 +32,7 @@ void print_devices() {
   const std::vector<gpu::DeviceInfo> devices = gpu::list_devices();
   if (devices.empty())
     throw Error(
-        ExitStatus::NoDevice,
+        ErrorCode::NoDevice,
         "no Vulkan device found; install a Vulkan driver (Debian: mesa-vulkan-drivers) and try again");
   for (const gpu::DeviceInfo& device : devices) {
     say("{}: {} ({})\n   driver {}, Vulkan {}.{}.{}, {:.1f} GiB of device memory\n", device.index,

@@ -53,7 +53,7 @@ image::Metrics compare(const DiffOptions& options, const image::Image& image, co
   try {
     return image::compare(image, reference);
   } catch (const Error& error) {  // knows the sizes, not the files
-    throw Error(error.status(),
+    throw Error(error.code(),
                 fmt::format("{} against {}: {}", options.image, options.reference, error.what()));
   }
 }

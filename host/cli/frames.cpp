@@ -29,14 +29,14 @@ std::optional<uint64_t> take_number(std::string_view& text) {
 std::vector<Frame> parse_frames(const RenderOptions& options) {
   if (options.frames.empty()) return {};
   if (!std::isfinite(options.frames_per_second))
-    throw Error(ExitStatus::BadUsage, "--fps: expected a number of frames per second, such as 24");
+    throw Error(ErrorCode::BadUsage, "--fps: expected a number of frames per second, such as 24");
   std::string_view text = options.frames;
   const auto first = take_number(text);
   const bool has_colon = first && text.starts_with(':');
   if (has_colon) text.remove_prefix(1);
   const auto last = has_colon ? take_number(text) : std::nullopt;
   if (!last || !text.empty() || *first > *last || *last - *first >= MOST_FRAMES)
-    throw Error(ExitStatus::BadUsage,
+    throw Error(ErrorCode::BadUsage,
                 fmt::format("--frames {}: expected FIRST:LAST, such as 0:47, of at most {} frames",
                             options.frames, MOST_FRAMES));
   std::vector<Frame> frames;

@@ -22,11 +22,28 @@
 
 namespace {
 
+// The process's, for the error that ends it.
+int exit_status(regulus::ErrorCode code) {
+  switch (code) {
+    case regulus::ErrorCode::Failed:
+      return 1;
+    case regulus::ErrorCode::BadUsage:
+      return 2;
+    case regulus::ErrorCode::BadFile:
+      return 3;
+    case regulus::ErrorCode::NoDevice:
+      return 4;
+    case regulus::ErrorCode::Interrupted:
+      return 130;
+  }
+  return 1;
+}
+
 // One line on stderr, whatever the message contains.
-int fail(std::string message, regulus::ExitStatus status) {
+int fail(std::string message, regulus::ErrorCode code) {
   std::replace(message.begin(), message.end(), '\n', ' ');
   std::fprintf(stderr, "regulus: error: %s\n", message.c_str());
-  return static_cast<int>(status);
+  return exit_status(code);
 }
 
 int run(int argc, char** argv) {
@@ -53,7 +70,7 @@ int run(int argc, char** argv) {
       regulus::cli::say_text(text.str());
     } else {
       return fail(regulus::cli::describe_usage_error(app, arguments, error) + " (see --help)",
-                  regulus::ExitStatus::BadUsage);
+                  regulus::ErrorCode::BadUsage);
     }
   }
   regulus::cli::finish_stdout();
@@ -66,11 +83,13 @@ int main(int argc, char** argv) {
   try {
     regulus::cli::prepare_streams();
     return run(argc, argv);
+  } catch (const regulus::SettingError& error) {
+    return fail(std::string("--") + error.what(), error.code());  // settings are options here
   } catch (const regulus::Error& error) {
-    return fail(error.what(), error.status());
+    return fail(error.what(), error.code());
   } catch (const std::bad_alloc&) {
-    return fail("out of memory", regulus::ExitStatus::Failed);
+    return fail("out of memory", regulus::ErrorCode::Failed);
   } catch (const std::exception& error) {
-    return fail(error.what(), regulus::ExitStatus::Failed);
+    return fail(error.what(), regulus::ErrorCode::Failed);
   }
 }

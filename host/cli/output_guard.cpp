@@ -14,22 +14,22 @@ namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const std::string& option, const fs::path& file, const std::string& what) {
-  throw Error(ExitStatus::BadUsage, fmt::format("{} {}: is {}, which it would replace; name another file",
-                                                option, file.string(), what));
+  throw Error(ErrorCode::BadUsage, fmt::format("{} {}: is {}, which it would replace; name another file",
+                                               option, file.string(), what));
 }
 
 void require_place(const std::string& option, const fs::path& file) {
   const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
   std::error_code error;
   if (!fs::is_directory(folder, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
-                                                file.string(), folder.string()));
+    throw Error(ErrorCode::Failed, fmt::format("{} {}: {} is not a folder; create it first", option,
+                                               file.string(), folder.string()));
   if (fs::is_directory(file, error))
-    throw Error(ExitStatus::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
+    throw Error(ErrorCode::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
   try {
     image::require_writable(file);
   } catch (const Error& problem) {
-    throw Error(problem.status(), fmt::format("{} {}", option, problem.what()));
+    throw Error(problem.code(), fmt::format("{} {}", option, problem.what()));
   }
 }
 
@@ -71,8 +71,8 @@ void OutputGuard::add_output(const std::string& option, const fs::path& file) {
   if (input != inputs_.end()) fail(option, file, input->second);
   const auto [output, is_new] = outputs_.emplace(identity, Output{option, file});
   if (!is_new)
-    throw Error(ExitStatus::BadUsage, fmt::format("{} {}: is the file of {} as well; name another one",
-                                                  option, file.string(), output->second.option));
+    throw Error(ErrorCode::BadUsage, fmt::format("{} {}: is the file of {} as well; name another one", option,
+                                                 file.string(), output->second.option));
 }
 
 void OutputGuard::require_places() {

@@ -27,7 +27,7 @@ void OutputWriter::write(const std::filesystem::path& file, const std::function<
 }
 
 void OutputWriter::throw_failures() const {
-  if (has_failed()) throw Error(ExitStatus::Failed, failures_);
+  if (has_failed()) throw Error(ErrorCode::Failed, failures_);
 }
 
 }  // namespace regulus::cli

@@ -17,7 +17,7 @@ void require_checkpoint_name(const fs::path& file) {
   const auto format = image::format_of(file);
   if (format && *format != Format::Exr)
     throw Error(
-        ExitStatus::BadUsage,
+        ErrorCode::BadUsage,
         fmt::format("--checkpoint {}: is an OpenEXR file; name one that ends in .exr", file.string()));
 }
 
@@ -29,7 +29,7 @@ RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) 
   if (outputs.picture.empty())
     outputs.picture = fs::path(options.scene_file).filename().replace_extension(".exr");
   if (!options.strategy_images.empty() && !options.checkpoint.empty())
-    throw Error(ExitStatus::BadUsage,
+    throw Error(ErrorCode::BadUsage,
                 "--strategy-images: a checkpoint does not hold them; leave out --checkpoint");
 
   guard.add_input(options.scene_file, "the scene");
@@ -53,11 +53,11 @@ RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) 
 void check_outputs(const RenderOutputs& outputs, const RenderOptions& options,
                    const render::RenderSettings& settings, OutputGuard& guard) {
   if (outputs.format != Format::Exr && !options.sample_range.empty())
-    throw Error(ExitStatus::BadUsage,
+    throw Error(ErrorCode::BadUsage,
                 fmt::format("--samples needs --output FILE.exr; {} holds no sums of samples",
                             outputs.picture.string()));
   if (outputs.format != Format::Exr && settings.aovs != 0)
-    throw Error(ExitStatus::BadUsage,
+    throw Error(ErrorCode::BadUsage,
                 fmt::format("--aov needs --output FILE.exr; {} holds no channels but colour",
                             outputs.picture.string()));
   if (!outputs.strategy_images.empty())

@@ -45,7 +45,7 @@ void finish_stdout() {
   flush_stdout();
   const bool is_reader_gone = stdout_error == EPIPE || stdout_error == EIO;
   if (stdout_error == 0 || is_reader_gone || is_forgiven) return;
-  throw Error(ExitStatus::Failed,
+  throw Error(ErrorCode::Failed,
               fmt::format("stdout: cannot be written ({}); choose another place or make room",
                           std::generic_category().message(stdout_error)));
 }

@@ -81,7 +81,7 @@ void make_strategy_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (!fs::is_directory(folder, error))
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("--strategy-images {}: cannot make this folder; name another", folder.string()));
 }
 

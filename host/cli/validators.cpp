@@ -47,39 +47,12 @@ CLI::Validator whole_number_in(uint64_t least, uint64_t most) {
           WITHOUT_DESCRIPTION};
 }
 
-CLI::Validator positive_or_infinite() {
-  return number_validator("above 0, or inf", [](double value) { return static_cast<float>(value) > 0; });
-}
-
 CLI::Validator not_negative() {
   return number_validator("from 0 on", [](double value) { return value >= 0 && std::isfinite(value); });
 }
 
-std::vector<std::string> names_of(render::Names names) {
-  std::vector<std::string> result;
-  result.reserve(names.size());
-  for (const render::Name& entry : names) result.emplace_back(entry.name);
-  return result;
-}
-
 std::string listed(render::Names names) {
-  return fmt::format("{}", fmt::join(names_of(names), "|"));
-}
-
-const render::Name* find_name(render::Names names, const std::string& name) {
-  const auto found =
-      std::ranges::find_if(names, [&](const render::Name& entry) { return name == entry.name; });
-  return found == names.end() ? nullptr : &*found;
-}
-
-CLI::Validator choice(render::Names names) {
-  return {[names](std::string& text) {
-            const render::Name* found = find_name(names, text);
-            if (found == nullptr) return unknown_name(text, names_of(names));
-            text = std::to_string(found->value);
-            return std::string();
-          },
-          WITHOUT_DESCRIPTION};
+  return fmt::format("{}", fmt::join(render::names_of(names), "|"));
 }
 
 CLI::Validator one_of(const std::vector<std::string>& names) {

@@ -17,24 +17,13 @@ CLI::Validator number_in(double least, double most);
 /// A whole number of [least, most], in decimal digits.
 CLI::Validator whole_number_in(uint64_t least, uint64_t most);
 
-/// A number above 0, also as a float; inf is one.
-CLI::Validator positive_or_infinite();
-
 /// A finite number that is not negative.
 CLI::Validator not_negative();
-
-/// One of the names; the value becomes its number.
-CLI::Validator choice(render::Names names);
 
 /// One of the names.
 CLI::Validator one_of(const std::vector<std::string>& names);
 
-std::vector<std::string> names_of(render::Names names);
-
 /// The names with | between them, as help shows what an option takes.
 std::string listed(render::Names names);
-
-/// The entry of that name; nullptr if there is none.
-const render::Name* find_name(render::Names names, const std::string& name);
 
 }  // namespace regulus::cli

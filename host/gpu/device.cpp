@@ -56,8 +56,8 @@ vk::raii::Device open(const Candidate& chosen, bool with_memory_budget, bool wit
   try {
     return {chosen.physical, create.get<vk::DeviceCreateInfo>()};
   } catch (const vk::SystemError& error) {
-    throw Error(ExitStatus::NoDevice, fmt::format("device {} cannot be opened ({}); try another --device",
-                                                  chosen.info.name, error.what()));
+    throw Error(ErrorCode::NoDevice, fmt::format("device {} cannot be opened ({}); try another one",
+                                                 chosen.info.name, error.what()));
   }
 }
 
@@ -97,7 +97,7 @@ DeviceState::DeviceState(const DeviceOptions& options)
 
 void DeviceState::throw_lost(std::span<const std::string> stages, int completed) {
   is_lost = true;
-  throw Error(ExitStatus::NoDevice, lost_message(info().name, stages, completed));
+  throw Error(ErrorCode::NoDevice, lost_message(info().name, stages, completed));
 }
 
 Device::Device(const DeviceOptions& options)

@@ -140,7 +140,7 @@ struct DeviceOptions {
 };
 
 /// An opened device with one compute queue. Not thread-safe.
-/// Errors are regulus::Error with ExitStatus::NoDevice (no usable device, device lost) or Failed (out of
+/// Errors are regulus::Error with ErrorCode::NoDevice (no usable device, device lost) or Failed (out of
 /// memory); the message names the stage that ran when a device was lost.
 class Device {
  public:

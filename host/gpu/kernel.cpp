@@ -106,8 +106,8 @@ Compiled compile_or_say_why(DeviceState& state, const KernelDescription& descrip
     return compile_cached(state, description);
   } catch (const vk::SystemError& error) {
     if (error.code() == vk::Result::eErrorDeviceLost) state.throw_lost({}, 0);
-    throw Error(ExitStatus::Failed,
-                fmt::format("the driver of {} cannot compile stage {} ({}); try another --device or driver",
+    throw Error(ErrorCode::Failed,
+                fmt::format("the driver of {} cannot compile stage {} ({}); try another device or driver",
                             state.info().name, description.name, error.what()));
   }
 }

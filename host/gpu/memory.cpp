@@ -55,19 +55,18 @@ uint32_t DeviceState::memory_type(uint32_t allowed_types, bool host_visible) con
 
 void DeviceState::throw_out_of_memory(uint64_t bytes, std::string_view name) const {
   throw Error(
-      ExitStatus::Failed,
-      fmt::format(
-          "device {} has no memory for buffer {}: it needs {:.1f} MiB, {:.1f} MiB are in use "
-          "and about {:.1f} MiB are free; render a smaller image or scene, or parts of it with --crop",
-          info().name, name, mebibytes(bytes), mebibytes(allocated_bytes), mebibytes(free_bytes())));
+      ErrorCode::Failed,
+      fmt::format("device {} has no memory for buffer {}: it needs {:.1f} MiB, {:.1f} MiB are in use "
+                  "and about {:.1f} MiB are free; render a smaller image or scene, or crops of it",
+                  info().name, name, mebibytes(bytes), mebibytes(allocated_bytes), mebibytes(free_bytes())));
 }
 
 Allocation DeviceState::allocate(uint64_t bytes, vk::BufferUsageFlags usage, bool host_visible,
                                  std::string_view name) {
   if (bytes > info().max_allocation_bytes)
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("buffer {} needs {:.1f} MiB, device {} allocates at most {:.1f} MiB at once; "
-                            "render a smaller image or scene, or parts of it with --crop",
+                            "render a smaller image or scene, or crops of it",
                             name, mebibytes(bytes), info().name, mebibytes(info().max_allocation_bytes)));
   if (bytes > memory_bytes - std::min(memory_bytes, allocated_bytes)) throw_out_of_memory(bytes, name);
   try {

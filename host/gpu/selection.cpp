@@ -32,7 +32,7 @@ std::string describe_all(std::span<const DeviceInfo> devices) {
 }
 
 [[noreturn]] void fail(const std::string& message) {
-  throw Error(ExitStatus::NoDevice, message);
+  throw Error(ErrorCode::NoDevice, message);
 }
 
 /// The positions that `select` can mean. A number is an index if there is a device of that index, otherwise
@@ -80,13 +80,13 @@ size_t select_device(std::span<const DeviceInfo> devices, std::string_view selec
 
   const std::vector<size_t> found = matches(devices, select);
   if (found.empty())
-    fail(fmt::format("--device {}: no such device; there is {}", select, describe_all(devices)));
+    fail(fmt::format("device {}: no such device; there is {}", select, describe_all(devices)));
   if (found.size() > 1)
-    fail(fmt::format("--device {}: more than one device has this name, give the index; there is {}", select,
+    fail(fmt::format("device {}: more than one device has this name, give the index; there is {}", select,
                      describe_all(devices)));
   const DeviceInfo& chosen = devices[found.front()];
   if (!chosen.usable())
-    fail(fmt::format("--device {}: {} cannot be used, it lacks {}", select, chosen.name,
+    fail(fmt::format("device {}: {} cannot be used, it lacks {}", select, chosen.name,
                      fmt::join(chosen.missing, ", ")));
   return found.front();
 }
@@ -106,7 +106,7 @@ std::string lost_message(const std::string& device, std::span<const std::string>
       if (std::find(distinct.begin(), distinct.end(), stage) == distinct.end()) distinct.push_back(stage);
     when = fmt::format("while running stage {}", fmt::join(distinct, " or "));
   }
-  return fmt::format("device {} lost {}; try another --device or a newer driver", device, when);
+  return fmt::format("device {} lost {}; try another one or a newer driver", device, when);
 }
 
 }  // namespace regulus::gpu

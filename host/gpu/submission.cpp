@@ -12,7 +12,7 @@ namespace regulus::gpu {
 namespace {
 
 [[noreturn]] void throw_failed(const DeviceState& state, const char* doing, const vk::SystemError& error) {
-  throw Error(ExitStatus::Failed,
+  throw Error(ErrorCode::Failed,
               fmt::format("device {} failed while {} ({}); render a smaller image or scene",
                           state.info().name, doing, error.what()));
 }

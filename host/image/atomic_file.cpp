@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[noreturn]] void fail(const fs::path& path, const int error) {
-  throw Error(ExitStatus::Failed, fmt::format("{}: cannot be written ({}); choose another place or make room",
-                                              path.string(), std::generic_category().message(error)));
+  throw Error(ErrorCode::Failed, fmt::format("{}: cannot be written ({}); choose another place or make room",
+                                             path.string(), std::generic_category().message(error)));
 }
 
 /// An open descriptor; `close` reports what the destructor must swallow.

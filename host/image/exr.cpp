@@ -48,13 +48,13 @@ std::string one_line(std::string text) {
 }
 
 [[noreturn]] void fail_bad_file(const fs::path& path, const std::string& reason) {
-  throw Error(ExitStatus::BadFile, fmt::format("{}: {}", path.string(), one_line(reason)));
+  throw Error(ErrorCode::BadFile, fmt::format("{}: {}", path.string(), one_line(reason)));
 }
 
 void require_size(const std::string_view name, const std::string& channel, const size_t found,
                   const size_t wanted) {
   if (found == wanted) return;
-  throw Error(ExitStatus::Failed,
+  throw Error(ErrorCode::Failed,
               fmt::format("{}: channel {} has {} values instead of {}", name, channel, found, wanted));
 }
 
@@ -259,7 +259,7 @@ std::string encode_exr(const Image& image, const Attributes& attributes, const C
   try {
     return encode_checked(image, attributes, channels, placement);
   } catch (const std::exception& error) {
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("{}: cannot be encoded as OpenEXR ({})", name, one_line(error.what())));
   }
 }

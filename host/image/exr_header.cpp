@@ -47,8 +47,8 @@ class HeaderReader {
 
  private:
   [[noreturn]] void fail(const std::string& name, const std::string& what) const {
-    throw Error(ExitStatus::BadFile, fmt::format("{}: attribute {} {}; the file is cut off or corrupt",
-                                                 path_.string(), printable(name.substr(0, 100)), what));
+    throw Error(ErrorCode::BadFile, fmt::format("{}: attribute {} {}; the file is cut off or corrupt",
+                                                path_.string(), printable(name.substr(0, 100)), what));
   }
 
   void check_attribute(const std::string& name) {

@@ -38,9 +38,9 @@ Format require_format(const std::string& option, const std::filesystem::path& pa
   for (const auto& [extension, known] : EXTENSIONS)
     if (std::ranges::find(allowed, known) != allowed.end())
       names += fmt::format("{}{}", names.empty() ? "" : ", ", extension);
-  throw Error(ExitStatus::BadUsage, fmt::format("{} {}: the format follows the extension; name a file that "
-                                                "ends in {}",
-                                                option, path.string(), names));
+  throw Error(ErrorCode::BadUsage, fmt::format("{} {}: the format follows the extension; name a file that "
+                                               "ends in {}",
+                                               option, path.string(), names));
 }
 
 std::string encode_picture(const Format format, const Image& image, const float exposure_ev,

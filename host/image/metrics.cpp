@@ -19,7 +19,7 @@ double square(const double x) {
 
 void require_same_size(const Image& image, const Image& reference) {
   if (image.width == reference.width && image.height == reference.height) return;
-  throw Error(ExitStatus::BadFile,
+  throw Error(ErrorCode::BadFile,
               fmt::format("{} x {} pixels against a reference of {} x {}; render at the same size",
                           image.width, image.height, reference.width, reference.height));
 }

@@ -14,8 +14,8 @@ namespace regulus::image {
 /// `max_pixels`.
 inline void require_pixels(const std::string& name, uint64_t width, uint64_t height, uint64_t max_pixels) {
   if (width * height > max_pixels)
-    throw Error(ExitStatus::BadFile, fmt::format("{}: {} x {} pixels are {}, the limit is {}; scale it down",
-                                                 name, width, height, width * height, max_pixels));
+    throw Error(ErrorCode::BadFile, fmt::format("{}: {} x {} pixels are {}, the limit is {}; scale it down",
+                                                name, width, height, width * height, max_pixels));
 }
 
 }  // namespace regulus::image

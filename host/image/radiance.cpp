@@ -48,7 +48,7 @@ class Decoder {
  private:
   [[noreturn]] void refuse(std::string_view problem) const {
     throw Error(
-        ExitStatus::BadFile,
+        ErrorCode::BadFile,
         fmt::format("{}: the Radiance file is cut off or corrupt ({}); write it again", name_, problem));
   }
 
@@ -66,7 +66,7 @@ class Decoder {
     const size_t before = rest_.size();
     for (std::string_view text = line(); !text.empty(); text = line()) {
       if (text.starts_with("FORMAT=") && text != "FORMAT=32-bit_rle_rgbe")
-        throw Error(ExitStatus::BadFile,
+        throw Error(ErrorCode::BadFile,
                     fmt::format("{}: its {} is not read, only 32-bit_rle_rgbe; convert it", name_, text));
       if (before - rest_.size() > MAX_HEADER_BYTES) refuse("its header does not end");
     }

@@ -50,8 +50,8 @@ std::string encode_rgb8(const Format format, const uint32_t width, const uint32_
                         const std::vector<uint8_t>& rgb, const std::string_view name) {
   constexpr int JPEG_QUALITY = 95;
   const auto fail = [&] {
-    throw Error(ExitStatus::Failed, fmt::format("{}: {} x {} pixels cannot be encoded as {}", name, width,
-                                                height, format == Format::Jpeg ? "JPEG" : "PNG"));
+    throw Error(ErrorCode::Failed, fmt::format("{}: {} x {} pixels cannot be encoded as {}", name, width,
+                                               height, format == Format::Jpeg ? "JPEG" : "PNG"));
   };
   const int w = static_cast<int>(width), h = static_cast<int>(height);
   if (w <= 0 || h <= 0 || rgb.size() != size_t{3} * width * height) fail();
@@ -92,8 +92,8 @@ std::string encode_hdr(const Image& image, const std::string_view name) {
   std::string bytes;
   if (rgb.empty() || !stbi_write_hdr_to_func(append, &bytes, static_cast<int>(image.width),
                                              static_cast<int>(image.height), 3, rgb.data()))
-    throw Error(ExitStatus::Failed, fmt::format("{}: {} x {} pixels cannot be encoded as Radiance HDR", name,
-                                                image.width, image.height));
+    throw Error(ErrorCode::Failed, fmt::format("{}: {} x {} pixels cannot be encoded as Radiance HDR", name,
+                                               image.width, image.height));
   return bytes;
 }
 

@@ -64,8 +64,7 @@ uint32_t parse_aovs(const std::string& list) {
     uint32_t bit = 0;
     for (const auto& [known, known_bit] : NAMES)
       if (name == known) bit = known_bit;
-    if (bit == 0)
-      throw Error(ExitStatus::BadUsage, fmt::format("--aov {}: {}", list, unknown_name(name, known_aovs())));
+    if (bit == 0) throw SettingError("aov", list, unknown_name(name, known_aovs()));
     aovs |= bit;
   }
   return aovs;

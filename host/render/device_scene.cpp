@@ -54,10 +54,10 @@ const scene::Scene& require_memory(const gpu::Device& device, const PreparedScen
                    bytes_of(scene.materials) + bytes_of(scene.lights);
   if (scene.environment) bytes += bytes_of(scene.environment->texels) + bytes_of(scene.environment->cdf);
   if (bytes > device.free_bytes())
-    throw Error(ExitStatus::Failed,
+    throw Error(ErrorCode::Failed,
                 fmt::format("{}: the scene needs {:.1f} MiB of device memory, {:.1f} MiB of them for "
-                            "textures, and {:.1f} MiB "
-                            "are free or allowed by --memory; make its textures smaller or reduce it",
+                            "textures, and {:.1f} MiB are free or allowed; make its textures smaller "
+                            "or reduce it",
                             scene.path.string(), mebibytes(bytes), mebibytes(textures),
                             mebibytes(device.free_bytes())));
   return scene;

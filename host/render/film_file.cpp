@@ -29,8 +29,8 @@ std::string channel_name(const FilmLayer& layer, uint32_t word) {
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
-  throw Error(ExitStatus::BadFile,
-              fmt::format("{}: {}; render it with --samples or --checkpoint", path.string(), reason));
+  throw Error(ErrorCode::BadFile, fmt::format("{}: {}; render it as a range of samples or with a checkpoint",
+                                              path.string(), reason));
 }
 
 template <typename Integer>

@@ -6,6 +6,9 @@
 #include <cstdint>
 #include <span>
 #include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "interface/wavefront.h"
 
@@ -70,6 +73,21 @@ inline const char* name_of(Names names, uint32_t value) {
   for (const Name& entry : names)
     if (entry.value == value) return entry.name;
   throw std::logic_error("a setting without a name");
+}
+
+/// All names of a table, in its order.
+inline std::vector<std::string> names_of(Names names) {
+  std::vector<std::string> result;
+  result.reserve(names.size());
+  for (const Name& entry : names) result.emplace_back(entry.name);
+  return result;
+}
+
+/// The entry of that name; nullptr if there is none.
+inline const Name* find_name(Names names, std::string_view name) {
+  for (const Name& entry : names)
+    if (name == entry.name) return &entry;
+  return nullptr;
 }
 
 }  // namespace regulus::render

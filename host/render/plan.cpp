@@ -153,7 +153,7 @@ reference::MergeRadius choose_merge_radius(const PreparedScene& prepared, const 
                           : radius_of_share(*settings.merge_radius_share, seen, scene_radius);
   const reference::MergeRadius chosen = given_merge_radius(asked, seen, scene_radius);
   if (warnings != nullptr && chosen.metres != asked)
-    warnings->push_back(fmt::format("--merge-radius {:g} m does not suit a view of {:.3g} m: {:g} m ({})",
+    warnings->push_back(fmt::format("merge radius {:g} m does not suit a view of {:.3g} m: {:g} m ({})",
                                     asked, 2 * seen.extent, chosen.metres, chosen.rule));
   return chosen;
 }

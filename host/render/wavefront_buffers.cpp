@@ -188,9 +188,9 @@ void WavefrontBuffers::create_strategy_buffers(gpu::Device& device, const Plan& 
   // Kernels count the words with 32 bits.
   if (words >= INVALID_INDEX || bytes > device.free_bytes())
     throw Error(
-        ExitStatus::Failed,
+        ErrorCode::Failed,
         fmt::format("images of {} strategies need {} MiB of device memory, {} MiB are free; use a smaller "
-                    "--size or --max-depth",
+                    "picture or shorter paths",
                     strategies.size(), bytes >> 20, device.free_bytes() >> 20));
   strategy_film = device.create_buffer(bytes, "strategy films");
   strategy_layers_ = gpu::upload_new(device, strategy_layers(strategies, plan.max_depth), "strategy layers");
@@ -233,10 +233,9 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
   grid_entries_ = {};
   if (vertices >= INVALID_INDEX || vertices * bytes_each > device.free_bytes())
     throw Error(
-        ExitStatus::Failed,
-        fmt::format(
-            "{} light vertices need {} MiB of device memory, {} MiB are free; use fewer --light-paths",
-            vertices, vertices * bytes_each >> 20, device.free_bytes() >> 20));
+        ErrorCode::Failed,
+        fmt::format("{} light vertices need {} MiB of device memory, {} MiB are free; use fewer light paths",
+                    vertices, vertices * bytes_each >> 20, device.free_bytes() >> 20));
   frame_.light_vertex_capacity = static_cast<uint32_t>(vertices);
   light_vertices_ = device.create_buffer(vertices * sizeof(PathVertex), "light vertices");
   frame_.light_vertices = address(light_vertices_);

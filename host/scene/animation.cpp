@@ -128,7 +128,7 @@ size_t find_animation(const Document& document, const std::string& wanted) {
   for (size_t i = 0; i < names.size(); ++i)
     if (wanted == std::to_string(i)) return i;
   document.fail(fmt::format("has no animation {}, {}", json(wanted).dump(),
-                            names.empty() ? "nor any other; leave --animation, --at and --frames out"
+                            names.empty() ? "nor any other; ask for no animation, time or frames"
                                           : "choose one by name or index: " + json(names).dump()));
 }
 

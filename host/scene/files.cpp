@@ -72,7 +72,7 @@ Bytes decode_data_uri(const std::string& uri, const fs::path& file, const std::s
 }  // namespace
 
 void fail(const fs::path& file, const std::string& message) {
-  throw Error(ExitStatus::BadFile, fmt::format("{}: {}", file.string(), message));
+  throw Error(ErrorCode::BadFile, fmt::format("{}: {}", file.string(), message));
 }
 
 std::string message_of(const Error& error, const fs::path& file) {
@@ -102,9 +102,8 @@ void Files::hold(uint64_t bytes, const std::string& element) {
   if (bytes > free_bytes()) {
     const auto mebibytes = [](uint64_t value) { return static_cast<double>(value) / (1 << 20); };
     throw OutOfMemory(fmt::format(
-        "{} needs {:.1f} MiB, with the rest of the scene {:.1f} MiB, but --memory allows {:.1f} MiB; reduce "
-        "the scene or "
-        "allow more",
+        "{} needs {:.1f} MiB, with the rest of the scene {:.1f} MiB, but {:.1f} MiB of memory are allowed; "
+        "reduce the scene or allow more",
         element, mebibytes(bytes), mebibytes(held_bytes_) + mebibytes(bytes), mebibytes(memory_bytes_)));
   }
   held_bytes_ += bytes;
@@ -148,9 +147,8 @@ fs::path Files::locate(const std::string& relative, const std::string& element) 
   if (error)
     fail(scene_file_, fmt::format("{}: cannot resolve '{}': {}", element, relative, error.message()));
   if (!allow_external_ && !is_below(real_path, real_folder))
-    fail(scene_file_,
-         fmt::format("{}: '{}' lies outside the scene's folder; pass --allow-external to read it", element,
-                     relative));
+    fail(scene_file_, fmt::format("{}: '{}' lies outside the scene's folder; allow external files to read it",
+                                  element, relative));
   return real_path;
 }
 

@@ -188,8 +188,7 @@ std::string cause_of_emptiness(const Document& document, const std::optional<siz
     if (!is_placed_elsewhere || !scene_index)
       return counted(meshes) + ", but no node places them; add nodes that do";
     return fmt::format(
-        "{}, but no node of scene {} places them; choose another with --scene, or list their nodes in "
-        "it",
+        "{}, but no node of scene {} places them; choose another scene, or list their nodes in it",
         counted(meshes), *scene_index);
   }
   if (visible == 0)

@@ -50,9 +50,9 @@ void choose_variant(Document& document, const std::string& name) {
   const std::vector<std::string> names = variant_names(document);
   const auto found = std::ranges::find(names, name);
   if (found == names.end())
-    document.fail(fmt::format("has no material variant \"{}\", {}", name,
-                              names.empty() ? "nor any other; leave --variant out"
-                                            : "choose one of " + nlohmann::json(names).dump()));
+    document.fail(fmt::format(
+        "has no material variant \"{}\", {}", name,
+        names.empty() ? "nor any other; ask for none" : "choose one of " + nlohmann::json(names).dump()));
   for (tinygltf::Mesh& mesh : document.model.meshes)
     for (tinygltf::Primitive& primitive : mesh.primitives)
       apply(primitive, static_cast<int>(found - names.begin()));

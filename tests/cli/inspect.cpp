@@ -128,7 +128,7 @@ TEST(Inspect, MergeRadiusIsThatOfTheWholePicture) {
   EXPECT_NEAR(radius({"--size", "4x4", "-s", "1", "--merge-radius", "5%"}, "given").first, 0.5 * clamped,
               0.005 * clamped);
   EXPECT_EQ(count_lines(warning), 1u);
-  EXPECT_NE(warning.find("--merge-radius 1000 m"), std::string::npos) << warning;
+  EXPECT_NE(warning.find("merge radius 1000 m"), std::string::npos) << warning;
 }
 
 // Names of a file say nothing to the terminal but themselves.
@@ -167,7 +167,7 @@ TEST(Inspect, MemoryThatIsNotAllowedIsRefusedWithBothNumbers) {
   scene.write(folder / "scene.gltf");
   const std::string path = (folder / "scene.gltf").string();
   expect_error(run({"inspect", path, "--memory", "1K"}), 3,
-               {"scene.gltf", "needs", "but --memory allows 0.0 MiB"});
+               {"scene.gltf", "needs", "but 0.0 MiB of memory are allowed"});
   EXPECT_EQ(run({"inspect", path, "--memory", "1G"}).status, 0);
   for (const char* size : {"0", "-1", "much", "4X"})
     EXPECT_EQ(run({"inspect", path, "--memory", size}).status, 2) << size;

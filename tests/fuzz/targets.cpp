@@ -45,7 +45,7 @@ bool is_read(const Read& read) {
     read();
     return true;
   } catch (const Error& error) {
-    if (error.status() != ExitStatus::BadFile) throw;
+    if (error.code() != ErrorCode::BadFile) throw;
     return false;
   }
 }

@@ -83,7 +83,7 @@ double needed_mebibytes(const std::string& error) {
   const std::string before = "with the rest of the scene ";
   const size_t at = error.find(before);
   EXPECT_NE(at, std::string::npos) << error;
-  EXPECT_NE(error.find("--memory allows 256.0 MiB"), std::string::npos) << error;
+  EXPECT_NE(error.find("256.0 MiB of memory are allowed"), std::string::npos) << error;
   return at == std::string::npos ? 0 : std::stod(error.substr(at + before.size()));
 }
 

@@ -37,11 +37,11 @@ class DeviceFaults : public testing::Test {
   }
 
   /// The error of a render with a fault; empty if it was not met.
-  std::string error_on(gpu::Device& device, ExitStatus status) const {
+  std::string error_on(gpu::Device& device, ErrorCode code) const {
     try {
       render_on(device);
     } catch (const Error& error) {
-      EXPECT_EQ(error.status(), status) << error.what();
+      EXPECT_EQ(error.code(), code) << error.what();
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       return error.what();
     }
@@ -59,7 +59,7 @@ TEST_F(DeviceFaults, EveryAllocationMayFail) {
   uint32_t failures = 0;
   for (;; ++failures) {
     gpu::faults().allocations_before_failure = failures;
-    const std::string error = error_on(*device(), ExitStatus::Failed);
+    const std::string error = error_on(*device(), ErrorCode::Failed);
     gpu::faults() = {};
     ASSERT_EQ(device()->allocated_bytes(), held) << "after allocation " << failures;
     if (error.empty()) break;
@@ -82,7 +82,7 @@ TEST_F(DeviceFaults, TheDeviceMayBeLostAtEverySubmission) {
     gpu::Device own({.select = std::to_string(device()->info().index)});
     gpu::faults().submissions_before_loss =
         i < tries / 2 ? submissions * i / tries : submissions - (tries - i);
-    const std::string error = error_on(own, ExitStatus::NoDevice);
+    const std::string error = error_on(own, ErrorCode::NoDevice);
     gpu::faults() = {};
     EXPECT_NE(error.find("lost"), std::string::npos) << "submission " << i << ": " << error;
   }

@@ -11,11 +11,13 @@ import sys
 ROOT = pathlib.Path(sys.argv[1])
 SOURCES = {"*.cpp", "*.hpp", "*.h", "*.glsl", "*.comp"}
 ROW = re.compile(r"^\| `((?:host|shaders)/\w+)` \| ([^|]*) \|$", re.MULTILINE)
-INCLUDE = re.compile(r'^#include "(\w+/[^"]+)"', re.MULTILINE)
+INCLUDE = re.compile(r'^#include ["<](\w+/[^">]+)[">]', re.MULTILINE)
 
 
 def place(file):
     """The folder of a file that is included, as in host/base; None for one that the build makes."""
+    if (ROOT / "host/include" / file).is_file():
+        return "host/include"
     above = next((above for above in ("host", "shaders") if (ROOT / above / file).is_file()), None)
     return above and f"{above}/{file.split('/')[0]}"
 

@@ -38,7 +38,7 @@ TEST(Printable, EveryByteAndPairIsPrintable) {
 }
 
 TEST(Printable, ErrorsAre) {
-  EXPECT_STREQ(Error(ExitStatus::BadFile, "node '\x1b[2J'\n").what(), "node '\\x1b[2J' ");
+  EXPECT_STREQ(Error(ErrorCode::BadFile, "node '\x1b[2J'\n").what(), "node '\\x1b[2J' ");
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST(GpuDevices, AreListedWithTheirIndices) {
 
 TEST(GpuDevices, UnknownNameIsNoDevice) {
   const std::string message =
-      error_of(ExitStatus::NoDevice, [] { Device(DeviceOptions{.select = "no such device"}); });
+      error_of(ErrorCode::NoDevice, [] { Device(DeviceOptions{.select = "no such device"}); });
   EXPECT_TRUE(contains(message, list_devices().front().name)) << message;
 }
 
@@ -59,7 +59,7 @@ class ScopedVariable {
 TEST(GpuDevices, AreNoneWithoutADriver) {
   const ScopedVariable none("VK_DRIVER_FILES", "/nonexistent/driver.json");
   EXPECT_TRUE(list_devices().empty());
-  const std::string message = error_of(ExitStatus::NoDevice, [] { Device device(UNCACHED); });
+  const std::string message = error_of(ErrorCode::NoDevice, [] { Device device(UNCACHED); });
   EXPECT_TRUE(contains(message, "no Vulkan device")) << message;
 }
 

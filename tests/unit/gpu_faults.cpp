@@ -44,16 +44,16 @@ TEST_F(GpuDevice, FreeMemoryIsPlausible) {
 
 TEST_F(GpuDevice, TooLargeABufferIsAnErrorThatNamesItAndTheLimit) {
   const uint64_t limit = device.info().max_allocation_bytes;
-  const std::string message = error_of(ExitStatus::Failed, [&] { device.create_buffer(limit + 1, "film"); });
+  const std::string message = error_of(ErrorCode::Failed, [&] { device.create_buffer(limit + 1, "film"); });
   EXPECT_TRUE(contains(message, "buffer film")) << message;
   EXPECT_TRUE(contains(message, "at most")) << message;
-  error_of(ExitStatus::Failed, [&] { device.create_buffer(~uint64_t{0}, "film"); });
+  error_of(ErrorCode::Failed, [&] { device.create_buffer(~uint64_t{0}, "film"); });
 }
 
 TEST_F(GpuDevice, OutOfMemoryIsAnErrorThatNamesTheBuffer) {
   faults().out_of_memory = true;
   const uint64_t before = device.allocated_bytes();
-  const std::string message = error_of(ExitStatus::Failed, [&] { device.create_buffer(3 << 20, "queue"); });
+  const std::string message = error_of(ErrorCode::Failed, [&] { device.create_buffer(3 << 20, "queue"); });
   EXPECT_TRUE(contains(message, "buffer queue")) << message;
   EXPECT_TRUE(contains(message, "3.0 MiB")) << message;
   EXPECT_EQ(device.allocated_bytes(), before);
@@ -69,12 +69,12 @@ TEST_F(GpuDevice, LossIsReportedWithTheStage) {
   run_probe(commands, second, a, a, 1);
   Submission submission = device.submit(std::move(commands));
   faults().lost_at_wait = true;
-  const std::string message = error_of(ExitStatus::NoDevice, [&] { device.wait(submission); });
+  const std::string message = error_of(ErrorCode::NoDevice, [&] { device.wait(submission); });
   EXPECT_TRUE(contains(message, "device " + device.info().name + " lost")) << message;
   EXPECT_TRUE(contains(message, "stage")) << message;
   EXPECT_TRUE(contains(message, "second_stage")) << message;
   faults() = {};
-  error_of(ExitStatus::NoDevice, [&] { download_all<uint32_t>(device, a, 1); });  // stays lost
+  error_of(ErrorCode::NoDevice, [&] { download_all<uint32_t>(device, a, 1); });  // stays lost
 }
 
 TEST_F(GpuDevice, LossAtSubmissionNamesItsStages) {
@@ -83,7 +83,7 @@ TEST_F(GpuDevice, LossAtSubmissionNamesItsStages) {
   CommandList commands(device);
   run_probe(commands, kernel, a, a, 1);
   faults().lost_at_submit = true;
-  const std::string message = error_of(ExitStatus::NoDevice, [&] { device.submit(std::move(commands)); });
+  const std::string message = error_of(ErrorCode::NoDevice, [&] { device.submit(std::move(commands)); });
   EXPECT_TRUE(contains(message, "while running stage first_stage")) << message;
 }
 

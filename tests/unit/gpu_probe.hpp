@@ -69,11 +69,11 @@ class GpuDevice : public testing::Test {
 
 /// Runs `action`, which must throw an Error of this status, and returns its message.
 template <typename Action>
-std::string error_of(ExitStatus status, Action&& action) {
+std::string error_of(ErrorCode code, Action&& action) {
   try {
     action();
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), status);
+    EXPECT_EQ(error.code(), code);
     return error.what();
   }
   ADD_FAILURE() << "no error";

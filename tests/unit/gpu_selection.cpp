@@ -28,7 +28,7 @@ std::string complaint(std::span<const DeviceInfo> devices, std::string_view sele
   try {
     select_device(devices, select);
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::NoDevice);
+    EXPECT_EQ(error.code(), ErrorCode::NoDevice);
     return error.what();
   }
   return {};
@@ -65,7 +65,7 @@ TEST(GpuSelection, NumberBeyondTheListIsLookedForInNames) {
 TEST(GpuSelection, UnknownChoiceListsAllDevices) {
   for (const char* unknown : {"geforce", "4", "-1"}) {
     const std::string message = complaint(machine, unknown);
-    EXPECT_TRUE(contains(message, std::string("--device ") + unknown)) << message;
+    EXPECT_TRUE(contains(message, std::string("device ") + unknown)) << message;
     for (const DeviceInfo& info : machine) EXPECT_TRUE(contains(message, info.name)) << message;
   }
 }

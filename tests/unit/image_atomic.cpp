@@ -39,13 +39,12 @@ TEST(AtomicFile, UnwritablePlacesAreNamed) {
   const TemporaryFolder folder;
   write_bytes(folder / "file", "old");
   // Below a regular file nothing can be created, not even by root.
-  expect_error([&] { write_file_atomically(folder / "file/x.exr", "new"); }, ExitStatus::Failed,
-               "file/x.exr");
-  expect_error([&] { write_file_atomically(folder / "none/x.exr", "new"); }, ExitStatus::Failed,
+  expect_error([&] { write_file_atomically(folder / "file/x.exr", "new"); }, ErrorCode::Failed, "file/x.exr");
+  expect_error([&] { write_file_atomically(folder / "none/x.exr", "new"); }, ErrorCode::Failed,
                "No such file or directory");
-  expect_error([&] { write_file_atomically(folder.path(), "new"); }, ExitStatus::Failed, "Is a directory");
-  expect_error([&] { write_file_atomically("", "new"); }, ExitStatus::Failed, "cannot be written");
-  expect_error([&] { write_file_atomically(folder / std::string(300, 'n'), "new"); }, ExitStatus::Failed,
+  expect_error([&] { write_file_atomically(folder.path(), "new"); }, ErrorCode::Failed, "Is a directory");
+  expect_error([&] { write_file_atomically("", "new"); }, ErrorCode::Failed, "cannot be written");
+  expect_error([&] { write_file_atomically(folder / std::string(300, 'n'), "new"); }, ErrorCode::Failed,
                "File name too long");
   EXPECT_EQ(read_bytes(folder / "file"), "old");
   EXPECT_EQ(folder.file_count(), 1u);
@@ -55,7 +54,7 @@ TEST(AtomicFile, DevicesAreWrittenToAndNeverReplaced) {
   write_file_atomically("/dev/null", "gone");
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
   if (std::filesystem::is_character_file("/dev/full"))
-    expect_error([] { write_file_atomically("/dev/full", "x"); }, ExitStatus::Failed,
+    expect_error([] { write_file_atomically("/dev/full", "x"); }, ErrorCode::Failed,
                  "No space left on device");
 }
 
@@ -67,7 +66,7 @@ TEST(AtomicFile, ALinkToNothingYetIsFollowed) {
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_EQ(read_bytes(folder / "below/new"), "x");
   std::filesystem::create_symlink("circle", folder / "circle");
-  expect_error([&] { write_file_atomically(folder / "circle", "x"); }, ExitStatus::Failed, "circle");
+  expect_error([&] { write_file_atomically(folder / "circle", "x"); }, ErrorCode::Failed, "circle");
 }
 
 TEST(AtomicFile, WhatKilledProcessesLeftIsRemovedAndNothingElse) {
@@ -96,9 +95,9 @@ TEST(AtomicFile, PlacesAreTriedWithoutATrace) {
   EXPECT_EQ(folder.file_count(), 1u);
   EXPECT_EQ(read_bytes(folder / "file"), "old");
   for (const std::string& place : {std::string("file/x"), std::string("none/x"), std::string(300, 'n')})
-    expect_error([&] { image::require_writable(folder / place); }, ExitStatus::Failed, "cannot be written");
-  expect_error([&] { image::require_writable(folder.path()); }, ExitStatus::Failed, "Is a directory");
-  expect_error([&] { image::require_writable(""); }, ExitStatus::Failed, "cannot be written");
+    expect_error([&] { image::require_writable(folder / place); }, ErrorCode::Failed, "cannot be written");
+  expect_error([&] { image::require_writable(folder.path()); }, ErrorCode::Failed, "Is a directory");
+  expect_error([&] { image::require_writable(""); }, ErrorCode::Failed, "cannot be written");
   image::require_writable("/dev/null");
 }
 
@@ -145,8 +144,8 @@ TEST(AtomicFile, AWriteThatStopsHalfwayLeavesTheOldFile) {
   ASSERT_GT(before.size(), LIMIT);
   {
     const FullDisk disk(LIMIT);
-    expect_error([&] { image::write_exr(folder / "a.exr", image); }, ExitStatus::Failed, "a.exr");
-    expect_error([&] { image::write_png(folder / "b.png", image); }, ExitStatus::Failed, "b.png");
+    expect_error([&] { image::write_exr(folder / "a.exr", image); }, ErrorCode::Failed, "a.exr");
+    expect_error([&] { image::write_png(folder / "b.png", image); }, ErrorCode::Failed, "b.png");
   }
   EXPECT_EQ(read_bytes(folder / "a.exr"), before);
   EXPECT_EQ(folder.file_count(), 1u) << "a temporary file was left";

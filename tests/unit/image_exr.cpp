@@ -162,9 +162,9 @@ TEST(Exr, CopiesLuminanceToAllChannels) {
 TEST(Exr, ErrorsNameFileAndChannel) {
   const TemporaryFolder folder;
   write_half(folder / "rg.exr", {"R", "G"}, Imath::Box2i({0, 0}, {3, 1}), Imf::ZIP_COMPRESSION);
-  expect_error([&] { image::read_exr(folder / "rg.exr"); }, ExitStatus::BadFile, "rg.exr: has no channel B");
-  expect_error([&] { image::read_exr(folder / "none.exr"); }, ExitStatus::BadFile, "none.exr: no such file");
-  expect_error([&] { image::read_exr(folder.path()); }, ExitStatus::BadFile, "is not a file");
+  expect_error([&] { image::read_exr(folder / "rg.exr"); }, ErrorCode::BadFile, "rg.exr: has no channel B");
+  expect_error([&] { image::read_exr(folder / "none.exr"); }, ErrorCode::BadFile, "none.exr: no such file");
+  expect_error([&] { image::read_exr(folder.path()); }, ErrorCode::BadFile, "is not a file");
 }
 
 TEST(Exr, RefusesInconsistentInput) {
@@ -174,13 +174,13 @@ TEST(Exr, RefusesInconsistentInput) {
       [&] {
         image::write_exr(folder / "a.exr", image, {}, {{"Z", std::vector<float>(11)}});
       },
-      ExitStatus::Failed, "channel Z has 11 values instead of 12");
-  expect_error([&] { image::write_exr(folder / "a.exr", image::Image{}); }, ExitStatus::Failed, "a.exr");
+      ErrorCode::Failed, "channel Z has 11 values instead of 12");
+  expect_error([&] { image::write_exr(folder / "a.exr", image::Image{}); }, ErrorCode::Failed, "a.exr");
   expect_error(
       [&] {
         image::write_exr(folder / "a.exr", image, {{"channels", "taken"}});
       },
-      ExitStatus::Failed, "a.exr");
+      ErrorCode::Failed, "a.exr");
   EXPECT_EQ(folder.file_count(), 0u);
 }
 

@@ -56,14 +56,13 @@ inline image::Image make_image(uint32_t width, uint32_t height, const std::funct
 }
 
 /// Expects a regulus::Error of one printable line with this status that contains `fragment`.
-inline void expect_error(const std::function<void()>& action, ExitStatus status,
-                         const std::string& fragment) {
+inline void expect_error(const std::function<void()>& action, ErrorCode code, const std::string& fragment) {
   try {
     action();
     ADD_FAILURE() << "no error";
   } catch (const Error& error) {
     const std::string message = error.what();
-    EXPECT_EQ(error.status(), status) << message;
+    EXPECT_EQ(error.code(), code) << message;
     EXPECT_NE(message.find(fragment), std::string::npos) << message;
     EXPECT_EQ(message.find('\n'), std::string::npos) << message;
   }

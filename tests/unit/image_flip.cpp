@@ -91,7 +91,7 @@ TEST(Flip, IsDefinedForBlackAndForNonFiniteValues) {
 
 TEST(Flip, DifferentSizesAreAnError) {
   const auto one = [](size_t) { return 1.0f; };
-  expect_error([&] { image::flip(make_image(2, 3, one), make_image(3, 2, one)); }, ExitStatus::BadFile,
+  expect_error([&] { image::flip(make_image(2, 3, one), make_image(3, 2, one)); }, ErrorCode::BadFile,
                "2 x 3 pixels against a reference of 3 x 2");
 }
 

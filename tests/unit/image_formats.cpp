@@ -33,7 +33,7 @@ TEST(Formats, OthersAreRefusedWithAList) {
   EXPECT_EQ(image::require_format("--output", "a.jpg", allowed), Format::Jpeg);
   EXPECT_EQ(image::require_format("--output", "/dev/null", allowed), Format::Exr);
   for (const char* name : {"a.png", "a", "a.bmp"})
-    expect_error([&] { image::require_format("--output", name, allowed); }, ExitStatus::BadUsage,
+    expect_error([&] { image::require_format("--output", name, allowed); }, ErrorCode::BadUsage,
                  "name a file that ends in .exr, .jpeg, .jpg");
 }
 

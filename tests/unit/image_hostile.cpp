@@ -21,7 +21,7 @@ Outcome read(const TemporaryFolder& folder, const std::string& bytes, const std:
     EXPECT_EQ(image.rgb.size(), size_t{3} * image.width * image.height) << what;
     return Outcome::Read;
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::BadFile) << what << ": " << error.what();
+    EXPECT_EQ(error.code(), ErrorCode::BadFile) << what << ": " << error.what();
     EXPECT_NE(std::string(error.what()).find("hostile.exr"), std::string::npos) << what;
   }
   return Outcome::Refused;
@@ -52,7 +52,7 @@ TEST(HostileExr, AttributesHaveTheSizeOfTheirType) {
   const std::string bytes = valid_file(folder), null(1, '\0');
   const auto expect_refused = [&](const std::string& damaged, const std::string& attribute) {
     write_bytes(folder / "hostile.exr", damaged);
-    expect_error([&] { image::read_exr(folder / "hostile.exr"); }, ExitStatus::BadFile,
+    expect_error([&] { image::read_exr(folder / "hostile.exr"); }, ErrorCode::BadFile,
                  "attribute " + attribute + " has ");
   };
   for (const auto& [name, type] :

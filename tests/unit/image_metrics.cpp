@@ -57,7 +57,7 @@ TEST(Metrics, NonFiniteValuesAreCountedAndLeftOut) {
 
 TEST(Metrics, DifferentSizesAreAnError) {
   const auto one = [](size_t) { return 1.0f; };
-  expect_error([&] { image::compare(make_image(2, 3, one), make_image(3, 2, one)); }, ExitStatus::BadFile,
+  expect_error([&] { image::compare(make_image(2, 3, one), make_image(3, 2, one)); }, ErrorCode::BadFile,
                "2 x 3 pixels against a reference of 3 x 2");
 }
 

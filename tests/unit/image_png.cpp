@@ -90,7 +90,7 @@ TEST(Png, ExposureIsInStops) {
   image::write_png(folder / "b.png", make_image(3, 1, [](size_t i) { return 0.1f * static_cast<float>(i); }),
                    0);
   EXPECT_EQ(read_bytes(folder / "a.png"), read_bytes(folder / "b.png"));
-  expect_error([&] { image::write_png(folder / "c.png", image::Image{}); }, ExitStatus::Failed, "c.png");
+  expect_error([&] { image::write_png(folder / "c.png", image::Image{}); }, ErrorCode::Failed, "c.png");
 }
 
 TEST(HeatMap, ShowsRelativeErrorOnALogarithmicScale) {

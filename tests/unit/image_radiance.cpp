@@ -28,7 +28,7 @@ std::string refusal(const std::string& file) {
   try {
     decode(file);
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::BadFile);
+    EXPECT_EQ(error.code(), ErrorCode::BadFile);
     EXPECT_NE(std::string(error.what()).find("sky.hdr"), std::string::npos);
     return error.what();
   }

@@ -32,7 +32,7 @@ class EnvironmentFile : public testing::Test {
     try {
       load(environment, options, true);
     } catch (const Error& error) {
-      EXPECT_EQ(error.status(), ExitStatus::BadFile);
+      EXPECT_EQ(error.code(), ErrorCode::BadFile);
       EXPECT_EQ(std::string(error.what()).find('\n'), std::string::npos);
       return error.what();
     }
@@ -70,7 +70,7 @@ TEST_F(EnvironmentFile, WhatOpenExrTakesIsCountedBeforeItIsTaken) {
   options.memory_bytes = blocks;
   const std::string error = error_of([&] { scene::load(file, options); });
   EXPECT_NE(error.find("sky.exr needs 6."), std::string::npos) << error;
-  EXPECT_NE(error.find("--memory allows 6.4 MiB"), std::string::npos) << error;
+  EXPECT_NE(error.find("6.4 MiB of memory are allowed"), std::string::npos) << error;
   options.memory_bytes = 2 * blocks;
   EXPECT_EQ(error_of([&] { scene::load(file, options); }), "");
 }

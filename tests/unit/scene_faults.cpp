@@ -293,9 +293,8 @@ TEST(SceneFaults, ScenesWithoutATriangleSayWhy) {
 
   Gltf elsewhere = two_triangles();
   elsewhere.root["scenes"] = {{{"nodes", json::array()}}, {{"nodes", {0, 1}}}};
-  EXPECT_NE(
-      reason(elsewhere).find("2 meshes, but no node of scene 0 places them; choose another with --scene"),
-      std::string::npos)
+  EXPECT_NE(reason(elsewhere).find("2 meshes, but no node of scene 0 places them; choose another scene"),
+            std::string::npos)
       << reason(elsewhere);
 
   Gltf points;

@@ -179,7 +179,7 @@ inline std::string error_of(const std::function<void()>& action) {
   try {
     action();
   } catch (const Error& error) {
-    if (error.status() != ExitStatus::BadFile) return "wrong exit status";
+    if (error.code() != ErrorCode::BadFile) return "wrong error code";
     const std::string message = error.what();
     return message.find('\n') == std::string::npos ? message : "more than one line: " + message;
   }

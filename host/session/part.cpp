@@ -1,4 +1,4 @@
-#include "cli/part.hpp"
+#include "session/part.hpp"
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include "interface/wavefront.h"
 #include "render/film_file.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 namespace {
 
@@ -45,7 +45,7 @@ std::vector<SampleRange> parse_ranges(const std::filesystem::path& path, const s
   const char* const end = at + text.size();
   uint64_t free = 0;  // the first sample that may come next
   const auto fail = [&] {
-    throw Error(ExitStatus::BadFile,
+    throw Error(ErrorCode::BadFile,
                 fmt::format("{}: {} \"{}\" is not a list of FIRST:COUNT; the file is corrupt", path.string(),
                             RANGES, text));
   };
@@ -118,7 +118,7 @@ void require_checksum(const std::filesystem::path& path, const image::ExrContent
   const std::string writer = version == attributes.end() ? "an unknown version" : version->second;
   if (found == attributes.end())
     throw Error(
-        ExitStatus::BadFile,
+        ErrorCode::BadFile,
         fmt::format(
             "{}: has no checksum: it is damaged, or of an older version ({}), which can still read it",
             path.string(), writer));
@@ -129,12 +129,12 @@ void require_checksum(const std::filesystem::path& path, const image::ExrContent
   if (version_of_sum != CHECKSUM_VERSION && !version_of_sum.empty() &&
       version_of_sum.find_first_not_of("0123456789") == std::string::npos)
     throw Error(
-        ExitStatus::BadFile,
+        ErrorCode::BadFile,
         fmt::format("{}: has a checksum of version {}, not {}: it is damaged, or of another version ({}), "
                     "which can read it",
                     path.string(), version_of_sum, CHECKSUM_VERSION, writer));
   throw Error(
-      ExitStatus::BadFile,
+      ErrorCode::BadFile,
       fmt::format("{}: its checksum does not fit; the file is damaged, render it again", path.string()));
 }
 
@@ -173,7 +173,7 @@ Part read_part(const std::filesystem::path& path) {
   const auto ranges = part.contents.attributes.find(RANGES);
   part.ranges = parse_ranges(path, ranges == part.contents.attributes.end() ? std::string() : ranges->second);
   if (part.film.paths > part.samples() * part.film.pixels())
-    throw Error(ExitStatus::BadFile,
+    throw Error(ErrorCode::BadFile,
                 fmt::format("{}: holds more samples than it says; the file is corrupt", path.string()));
   return part;
 }
@@ -218,10 +218,10 @@ void require_same_render(const std::string& name, const image::Attributes& attri
     if (!key.starts_with("regulus:") || OF_THE_RUN.contains(key)) continue;
     const std::string own = value_in(attributes, key), others = value_in(other, key);
     if (own != others)
-      throw Error(ExitStatus::BadFile,
+      throw Error(ErrorCode::BadFile,
                   fmt::format("{} and {} are not samples of one render: {} is {} and {}", name, other_name,
                               key.substr(std::string("regulus:").size()), own, others));
   }
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -1,13 +1,13 @@
-#include "cli/tiled_render.hpp"
+#include "session/tiled_render.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "cli/part.hpp"
 #include "render/aov.hpp"
+#include "session/part.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 namespace {
 
@@ -98,4 +98,4 @@ TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, 
   return result;
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

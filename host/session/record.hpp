@@ -9,7 +9,7 @@
 #include "render/stages.hpp"
 #include "scene/scene.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 /// Wall seconds of the phases before rendering.
 struct LoadTimes {
@@ -28,4 +28,4 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Plan
 image::Attributes image_attributes(const gpu::Device& device, const scene::Scene& scene,
                                    const render::Plan& plan, const render::Renderer& renderer);
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -3,9 +3,9 @@
 
 #include <vector>
 
-#include "cli/part.hpp"
+#include "session/part.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 /// Puts parts with the same samples of different pixels together, which a render of all those pixels would
 /// give bit by bit. Precondition: they are of one render (require_same_render, but for the crop), complete,
@@ -14,4 +14,4 @@ namespace regulus::cli {
 /// crops do not fill a rectangle
 Part join_windows(std::vector<Part> parts);
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -1,4 +1,4 @@
-#include "cli/stats.hpp"
+#include "session/record.hpp"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -11,7 +11,7 @@
 #include "render/names.hpp"
 #include "scene/placement.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 namespace {
 
@@ -235,4 +235,4 @@ image::Attributes image_attributes(const gpu::Device& device, const scene::Scene
   return attributes;
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -1,4 +1,4 @@
-#include "cli/join_windows.hpp"
+#include "session/join_windows.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "render/film_file.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 namespace {
 
@@ -43,19 +43,18 @@ void require_tiles(const std::vector<Part>& parts, const Rectangle& bounds) {
     if (parts[i].ranges != parts.front().ranges ||
         parts[i].film.light_paths != parts.front().film.light_paths)
       throw Error(
-          ExitStatus::BadFile,
+          ErrorCode::BadFile,
           fmt::format("{} and {} show different crops and hold different samples; merge the samples of each "
                       "crop first, and render those that are missing",
                       parts.front().path.string(), parts[i].path.string()));
     for (size_t k = 0; k < i; ++k)
       if (overlap(rectangle_of(parts[i]), rectangle_of(parts[k])))
-        throw Error(ExitStatus::BadFile,
-                    fmt::format("{} and {} show crops that overlap; give each pixel once",
-                                parts[k].path.string(), parts[i].path.string()));
+        throw Error(ErrorCode::BadFile, fmt::format("{} and {} show crops that overlap; give each pixel once",
+                                                    parts[k].path.string(), parts[i].path.string()));
   }
   if (area != bounds.area())
     throw Error(
-        ExitStatus::BadFile,
+        ErrorCode::BadFile,
         fmt::format("{} and the others show crops that leave gaps in {},{},{},{}; render what is missing",
                     parts.front().path.string(), bounds.x0, bounds.y0, bounds.x1, bounds.y1));
 }
@@ -99,4 +98,4 @@ Part join_windows(std::vector<Part> parts) {
   return whole;
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -5,17 +5,18 @@
 #include <cstdint>
 #include <optional>
 
-#include "cli/render_options.hpp"
 #include "render/noise.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
-/// --time, and --noise after 16 samples of every pixel. The time runs from construction.
+/// A limit of time, and one of noise after 16 samples of every pixel. The time runs from construction.
 class StopRule {
  public:
+  /// @param time_limit seconds; none: no limit
+  /// @param noise_target relative error; none: it is not followed
   /// @param pixels of the film
-  StopRule(const RenderOptions& options, uint64_t pixels)
-      : time_limit_(options.time_limit), noise_target_(options.noise_target), pixels_(pixels) {}
+  StopRule(std::optional<double> time_limit, std::optional<double> noise_target, uint64_t pixels)
+      : time_limit_(time_limit), noise_target_(noise_target), pixels_(pixels) {}
 
   /// True if `film`, the last state of the film while `paths` are done, is good enough or the time is up.
   bool is_reached(const render::Film& film, uint64_t paths) {
@@ -42,4 +43,4 @@ class StopRule {
   bool is_reached_ = false;
 };
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

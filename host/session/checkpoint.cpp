@@ -1,14 +1,14 @@
-#include "cli/checkpoint.hpp"
+#include "session/checkpoint.hpp"
 
 #include <fmt/format.h>
-#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <new>
 
 #include "base/error.hpp"
+#include "session/record.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 void Checkpoint::update(const render::Film& film) {
   const auto now = Clock::now();
@@ -35,26 +35,25 @@ void Checkpoint::try_to_write(const render::Film& film, const char* what_next) {
     problem = fmt::format("{}: not enough memory to write it", path_.string());
   }
   if (!problem.empty() && problem != last_problem_)  // once, however often it is tried
-    spdlog::warn("--checkpoint {}; {}", problem, what_next);
+    warn_(fmt::format("checkpoint {}; {}", problem, what_next));
   last_problem_ = problem;
 }
 
-render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
-                             const render::CommonSettings& settings) {
+render::Film read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
+                             const render::Plan& plan) {
   const Part part = read_part(path);
-  require_same_render(path.string(), part.contents.attributes, "this render", attributes);
-  if (part.ranges.size() != 1 || part.ranges.front().first != settings.first_sample)
-    throw Error(ExitStatus::BadFile,
+  require_same_render(path.string(), part.contents.attributes, "this render", scene_attributes(scene, plan));
+  if (part.ranges.size() != 1 || part.ranges.front().first != plan.first_sample)
+    throw Error(ErrorCode::BadFile,
                 fmt::format("{}: holds other samples than those from {} on; name another file", path.string(),
-                            settings.first_sample));
-  const render::Window window = settings.window();
+                            plan.first_sample));
+  const render::Window window = plan.window();
   if (part.film.width != window.width || part.film.height != window.height)
-    throw Error(ExitStatus::BadFile,
+    throw Error(ErrorCode::BadFile,
                 fmt::format("{}: is not of the size it says; the file is corrupt", path.string()));
-  if (part.film.paths > window.pixels() * settings.samples)
-    throw Error(ExitStatus::BadUsage,
-                fmt::format("{}: holds {} samples per pixel, more than the {} asked for", path.string(),
-                            part.film.samples(0), settings.samples));
+  if (part.film.paths > window.pixels() * plan.samples)
+    throw Error(ErrorCode::BadUsage, fmt::format("{}: holds {} samples per pixel, more than the {} asked for",
+                                                 path.string(), part.film.samples(0), plan.samples));
   return part.film;
 }
 
@@ -65,9 +64,9 @@ void resume(render::Renderer& renderer, const std::filesystem::path& path, const
       own.square_words.size() != film.square_words.size() ||
       own.light_paths_per_iteration != film.light_paths_per_iteration || own.exponents != film.exponents)
     throw Error(
-        ExitStatus::BadFile,
+        ErrorCode::BadFile,
         fmt::format("{}: holds other sums than this render needs; the file is corrupt", path.string()));
   renderer.resume(film);
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

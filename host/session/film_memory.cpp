@@ -1,4 +1,4 @@
-#include "cli/film_memory.hpp"
+#include "session/film_memory.hpp"
 
 #include <fmt/format.h>
 
@@ -8,7 +8,7 @@
 #include "base/machine_memory.hpp"
 #include "interface/wavefront.h"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 namespace {
 
@@ -38,10 +38,10 @@ void require_film_memory(const render::RenderSettings& settings, bool holds_sums
   if (needed <= allowed) return;
   const auto mebibytes = [](uint64_t bytes) { return static_cast<double>(bytes) / (1 << 20); };
   throw Error(
-      ExitStatus::Failed,
-      fmt::format("a film of {} x {} pixels needs {:.1f} MiB of this machine's memory, but --memory allows "
-                  "{:.1f} MiB; render parts of it with --crop or allow more",
+      ErrorCode::Failed,
+      fmt::format("a film of {} x {} pixels needs {:.1f} MiB of this machine's memory, but {:.1f} MiB are "
+                  "allowed; render crops of it or allow more",
                   window.width, window.height, mebibytes(needed), mebibytes(allowed)));
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -9,7 +9,7 @@
 #include "gpu/gpu.hpp"
 #include "render/renderer.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 /// The bands of rows in which a device can render the pixels that are asked for, the whole window if it fits:
 /// of `pixels_at_most` pixels if that is not 0.
@@ -30,4 +30,4 @@ TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, 
                             const std::vector<render::Window>& bands,
                             const render::ProgressCallback& progress);
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -9,7 +9,7 @@
 #include "image/image.hpp"
 #include "render/film.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 /// Samples [first, first + count) of every pixel.
 struct SampleRange {
@@ -53,4 +53,4 @@ std::vector<std::string> saturation_warnings(const render::Film& film);
 void require_same_render(const std::string& name, const image::Attributes& attributes,
                          const std::string& other_name, const image::Attributes& other);
 
-}  // namespace regulus::cli
+}  // namespace regulus::session

@@ -1,4 +1,4 @@
-// `render --checkpoint`: the state of a render in a file, written now and then, and read back by --resume.
+// A checkpoint: the state of a render in a file, written now and then, and read back to go on.
 #pragma once
 
 #include <chrono>
@@ -6,10 +6,10 @@
 #include <functional>
 #include <optional>
 
-#include "cli/part.hpp"
 #include "render/renderer.hpp"
+#include "session/part.hpp"
 
-namespace regulus::cli {
+namespace regulus::session {
 
 /// Writes the state of a render when it is due. The file changes as a whole (image::write_file_atomically),
 /// so a process may be killed at any time. A state that cannot be written is a warning: the render goes on,
@@ -19,8 +19,10 @@ class Checkpoint {
   /// @param path empty: there is no checkpoint
   /// @param seconds between two states; more if writing takes more than a fiftieth of that
   /// @param write puts a film into the file; throws if it cannot
-  Checkpoint(std::filesystem::path path, double seconds, std::function<void(const render::Film&)> write)
-      : path_(std::move(path)), seconds_(seconds), write_(std::move(write)) {}
+  /// @param warn is told in one line that a state could not be written
+  Checkpoint(std::filesystem::path path, double seconds, std::function<void(const render::Film&)> write,
+             std::function<void(const std::string&)> warn)
+      : path_(std::move(path)), seconds_(seconds), write_(std::move(write)), warn_(std::move(warn)) {}
 
   /// Writes `film` if it is another than the last one and the time has come.
   void update(const render::Film& film);
@@ -34,19 +36,20 @@ class Checkpoint {
   std::filesystem::path path_;
   double seconds_;
   std::function<void(const render::Film&)> write_;
+  std::function<void(const std::string&)> warn_;
   Clock::time_point last_ = Clock::now();
   uint64_t written_paths_ = 0;
   std::string last_problem_;  ///< of the last attempt; empty: it was written
 };
 
-/// The film in a checkpoint, to go on from with these settings.
+/// The film in a checkpoint, to go on from by this plan.
 /// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
 /// asked for
-render::Film read_checkpoint(const std::filesystem::path& path, const image::Attributes& attributes,
-                             const render::CommonSettings& settings);
+render::Film read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
+                             const render::Plan& plan);
 
 /// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
 /// renderer's
 void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film);
 
-}  // namespace regulus::cli
+}  // namespace regulus::session
