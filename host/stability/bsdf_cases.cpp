@@ -195,7 +195,7 @@ BsdfSweep over_tau(int points) {
 }  // namespace
 
 std::vector<BsdfSweep> bsdf_sweeps(Extent extent) {
-  const int points = extent == Extent::Quick ? 8 : 43;
+  const int points = extent == Extent::Quick ? 8 : 22;
   std::vector<BsdfSweep> sweeps;
   for (BsdfSweep (*make)(int) : {over_roughness, over_anisotropy, over_elevation, over_facet_elevation,
                                  over_distance, over_incidence, over_index, over_critical, over_tau})

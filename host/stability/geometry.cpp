@@ -130,10 +130,12 @@ Numbers numbers_of(const Vertices& vertices, const BenchRay& ray) {
   return numbers;
 }
 
-/// Where a ray meets a triangle's plane.
+/// Where a ray meets a triangle's plane; p = (1 - u - v) p0 + u p1 + v p2.
 struct PlaneHit {
-  Exact distance;
-  Exact inside;  ///< least barycentric coordinate: negative outside the triangle
+  Exact distance, u, v;
+
+  /// Least barycentric coordinate: negative outside the triangle.
+  Exact inside() const { return std::min({u, v, 1 - u - v}); }
 };
 
 PlaneHit plane_hit(const Numbers& n) {
@@ -144,28 +146,30 @@ PlaneHit plane_hit(const Numbers& n) {
   const Vector p = cross(along, b), q = cross(from, a);
   const Exact scale = 1 / dot(a, p);
   const Exact u = dot(from, p) * scale, v = dot(along, q) * scale;
-  return {dot(b, q) * scale, std::min({u, v, 1 - u - v})};
+  return {dot(b, q) * scale, u, v};
 }
 
 constexpr double ULPS = 2 * 0x1p-23;
 
-/// How far both move when the numbers are rounded one after the other: positions as the largest of their
+/// How far each moves when the numbers are rounded one after the other: positions as the largest of their
 /// coordinates is, because rays are sheared across axes.
 PlaneHit moved_hit(const Numbers& numbers, const PlaneHit& hit) {
-  PlaneHit sum{0, 0};
+  PlaneHit sum{0, 0, 0};
   Exact largest = 0;
   for (size_t k = 0; k < 12; ++k) largest = std::max(largest, std::abs(numbers[k]));
   for (size_t k = 0; k < numbers.size(); ++k) {
-    PlaneHit most{0, 0};
+    PlaneHit most{0, 0, 0};
     for (const Exact sign : {-1.0L, 1.0L}) {
       Numbers moved = numbers;
       moved[k] += sign * static_cast<Exact>(ULPS) * (k < 12 ? largest : std::abs(numbers[k]));
       const PlaneHit there = plane_hit(moved);
       most.distance = std::max(most.distance, std::abs(there.distance - hit.distance));
-      most.inside = std::max(most.inside, std::abs(there.inside - hit.inside));
+      most.u = std::max(most.u, std::abs(there.u - hit.u));
+      most.v = std::max(most.v, std::abs(there.v - hit.v));
     }
     sum.distance += most.distance;
-    sum.inside += most.inside;
+    sum.u += most.u;
+    sum.v += most.v;
   }
   return sum;
 }
@@ -210,12 +214,13 @@ void add_field(Sweep& sweep, double parameter, gpu::Device& device, const gpu::K
     const std::vector<uint32_t>& order = tree.bvh().order;
     const bool is_met = hits[i].triangle != INVALID_INDEX && order[hits[i].triangle] == field.targets[i];
     const bool is_met_by_reference = met && order[met->triangle] == field.targets[i];
-    if (truth.inside < moved.inside) {  // rounding decides whether it is met
+    const Exact shift = moved.u + moved.v;  // of any barycentric coordinate, at most
+    if (truth.inside() < shift) {           // rounding decides whether it is met
       sweep.lose();
       continue;
     }
     sweep.add({parameter, is_met ? double{hits[i].t} : 0.0, is_met_by_reference ? met->t : 0.0,
-               truth.distance, moved.distance + moved.inside * longest_edge(vertices)},
+               truth.distance, moved.distance + shift * longest_edge(vertices)},
               [&] {
                 return fmt::format(
                     "triangle ({:.9g} {:.9g} {:.9g}) ({:.9g} {:.9g} {:.9g}) ({:.9g} {:.9g} {:.9g}), ray from "

@@ -34,7 +34,7 @@ function show(family) {
   const sweeps = report.sweeps.filter(s => s.family === family);
   const plots = sweeps.map(s => element("figure", {}, logLogPlot(curvesOf(s), s.parameter, "relative error"),
     element("figcaption", {}, s.name)));
-  return element("section", {}, element("h2", {}, family), table(sweeps), element("div", { class: "columns" }, ...plots));
+  return element("section", {}, element("h2", {}, family), table(sweeps), element("div", { class: "strip" }, ...plots));
 }
 
 showReport(`Device: ${report.device} (${report.driver}), ${report.extent} run. Largest relative error at each parameter: ` +
