@@ -184,6 +184,7 @@ const std::map<uint32_t, Addition>& additions() {
          s.material().clearcoat_roughness = 0.5F;
          s.material().flags |= MATERIAL_COAT_NORMAL;
        }},
+      {FEATURE_SHEEN, [](Speck& s) { s.shiny(0.5F).sheen_color = glm::vec3(0.1F); }},
       {FEATURE_ANISOTROPY, [](Speck& s) {
          s.scene().vertex_tangents.resize(s.scene().vertices.size(), glm::vec4(1, 0, 0, 1));
          s.shiny(0.5F).anisotropy = 0.5F;

@@ -2,6 +2,8 @@
 // on the device or by the reference.
 #pragma once
 
+#include <vector>
+
 #include "bvh/bvh.hpp"
 #include "scene/scene.hpp"
 
@@ -12,6 +14,7 @@ struct PreparedScene {
   scene::Scene scene;  ///< triangles in the order of the tree's leaves, lights with their tree, solids
   bvh::Bvh bvh;
   scene::Features features;
+  std::vector<float> sheen_table;  ///< scene::make_sheen_table(), if some material has sheen
 };
 
 /// Finds the solids, builds the acceleration structure, renumbers the scene's triangles by it, builds the

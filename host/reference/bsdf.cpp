@@ -263,7 +263,38 @@ dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
                      masking_shadowing(coat_, up_i, up_o, h, Scattering::Reflection) / (4 * up_i.z * up_o.z);
 }
 
-dvec3 Bsdf::base_value(const dvec3& wo_material, const dvec3& wi_material, TransportMode mode) const {
+double Bsdf::largest_sheen(const dvec3& w) const {
+  if (parameters_.sheen == nullptr || (refracts() && w.z < 0)) return 0;
+  const dvec3& color = parameters_.sheen_color;
+  return std::max({color.r, color.g, color.b});
+}
+
+double Bsdf::sheen_albedo(const dvec3& w) const {
+  return std::min(parameters_.sheen->albedo(std::abs(w.z), parameters_.sheen_roughness), 1.0);
+}
+
+double Bsdf::sheen_passage(const dvec3& wo, const dvec3& wi) const {
+  if (parameters_.sheen == nullptr) return 1;
+  return 1 - std::max(largest_sheen(wo) * sheen_albedo(wo), largest_sheen(wi) * sheen_albedo(wi));
+}
+
+/// Where white sheen would reflect more than there is it is scaled down, by the larger of both directions.
+dvec3 Bsdf::sheen_value(const dvec3& wo, const dvec3& wi) const {
+  if (largest_sheen(wo) == 0 || wo.z * wi.z <= 0 || is_in_relief_shadow_) return dvec3(0);
+  const double alpha = parameters_.sheen_roughness * parameters_.sheen_roughness;
+  const double most = std::max(parameters_.sheen->albedo(std::abs(wo.z), parameters_.sheen_roughness),
+                               parameters_.sheen->albedo(std::abs(wi.z), parameters_.sheen_roughness));
+  const double cos_h = std::min(std::abs(reflection_half_vector(wo, wi).z), 1.0);
+  return parameters_.sheen_color *
+         (sheen_scattering(cos_h, std::abs(wo.z), std::abs(wi.z), alpha) / std::max(most, 1.0));
+}
+
+dvec3 Bsdf::base_value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
+  const dvec3 below = interface_value(wo, wi, mode);
+  return parameters_.sheen == nullptr ? below : sheen_passage(wo, wi) * below + sheen_value(wo, wi);
+}
+
+dvec3 Bsdf::interface_value(const dvec3& wo_material, const dvec3& wi_material, TransportMode mode) const {
   const double eta = relative_index(wo_material);
   const dvec3 wo = wo_material.z < 0 ? mirror_z(wo_material) : wo_material;
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
@@ -295,7 +326,19 @@ Bsdf::Shares Bsdf::shares(const dvec3& w) const {
 
 double Bsdf::diffuse_probability(const dvec3& wo) const {
   const auto [diffuse, facets] = shares(wo);
-  return facets == 0 ? 1 : diffuse / (diffuse + facets);
+  if (facets == 0) return 1;
+  if (largest_sheen(wo) == 0) return diffuse / (diffuse + facets);
+  const double passed = 1 - largest_sheen(wo) * sheen_albedo(wo);
+  const double above = luminance(parameters_.sheen_color) * sheen_albedo(wo);
+  return (above + passed * diffuse) / (above + passed * (diffuse + facets));
+}
+
+/// Of the diffuse lobe's samples.
+double Bsdf::sheen_share(const dvec3& w) const {
+  if (largest_sheen(w) == 0) return 0;
+  const double above = luminance(parameters_.sheen_color) * sheen_albedo(w);
+  const double passed = 1 - largest_sheen(w) * sheen_albedo(w);
+  return above > 0 ? above / (above + passed * shares(w).diffuse) : 0;
 }
 
 /// From inside a solid light leaves by a cone alone, but for what f90 and facets leave of the rest.
@@ -305,13 +348,16 @@ double Bsdf::cone_share(double eta) const {
   return in_cone > 0 ? (1 - cover_share_) * in_cone / (in_cone + (1 - dielectric_.f90)) : 0;
 }
 
-double Bsdf::diffuse_pdf(double cosine, double eta) const {
+double Bsdf::diffuse_pdf(double cosine, double eta, double sheen) const {
+  if (sheen > 0) return (1 - sheen) * cosine / pi + sheen / (2 * pi);
   const double share = cone_share(eta);
   const bool is_in_cone = 1 - cosine * cosine < eta * eta;
   return cosine / pi * (1 - share + (is_in_cone ? share / (eta * eta) : 0));
 }
 
-dvec3 Bsdf::sample_diffuse(const dvec2& u, double eta) const {
+dvec3 Bsdf::sample_diffuse(const dvec2& u, double eta, double sheen) const {
+  if (u.x < sheen) return sample_cone({u.x / sheen, u.y}, 0);
+  if (sheen > 0) return sample_cosine_hemisphere({(u.x - sheen) / (1 - sheen), u.y});
   const double share = cone_share(eta);
   if (u.x >= share) return sample_cosine_hemisphere({(u.x - share) / (1 - share), u.y});
   const dvec3 w = eta * sample_cosine_hemisphere({u.x / share, u.y});
@@ -342,7 +388,8 @@ double Bsdf::base_pdf(const dvec3& wo_material, const dvec3& wi_material) const 
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
   if (wo.z == 0 || wi.z == 0) return 0;
   const double p_diffuse = diffuse_probability(wo_material);
-  const double cosine = wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * diffuse_pdf(wi.z, eta) : 0;
+  const double cosine =
+      wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * diffuse_pdf(wi.z, eta, sheen_share(wo_material)) : 0;
   if (is_delta()) return cosine;
   if (wi.z < 0 && parameters_.transmission == 0) return 0;
   if (wi.z < 0 && parameters_.is_volume) return (1 - p_diffuse) * refraction_pdf(wo, wi, eta);
@@ -408,7 +455,7 @@ BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode 
                              : 1;
     factor = (sample.is_transmitted ? transmittance(fresnel_dielectric(std::abs(wo.z), eta), eta) * scale
                                     : reflectance(std::abs(wo.z), eta)) *
-             ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
+             sheen_passage(wo, wi) * ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
   }
   if (is_coat_delta() && !sample.is_transmitted && (sample.is_coat || !is_alone)) {
     // Radiance is reflected whatever the angle to the base: importance by |cos_i| / |cos_o| of that.
@@ -462,7 +509,7 @@ BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec
   const double p_diffuse = diffuse_probability(wo_material);
   BsdfSample result;
   if (u_lobe < p_diffuse) {
-    result.wi = sample_diffuse(u, eta);
+    result.wi = sample_diffuse(u, eta, sheen_share(wo_material));
     result.is_diffuse = true;
   } else {
     double u_choice = (u_lobe - p_diffuse) / (1 - p_diffuse);
@@ -484,6 +531,7 @@ BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec
   if (result.is_delta) {
     const double p_back = reflection_probability(std::abs(result.wi.z), relative_index(result.wi));
     result.pdf_reverse = (1 - diffuse_probability(result.wi)) * (result.is_transmitted ? 1 - p_back : p_back);
+    result.weight *= sheen_passage(wo_material, result.wi);
     return result;
   }
   result.pdf_forward = base_pdf(wo_material, result.wi);

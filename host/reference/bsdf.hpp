@@ -14,6 +14,7 @@
 #include "reference/fresnel.hpp"
 #include "reference/microfacet.hpp"
 #include "reference/sampling.hpp"
+#include "reference/sheen.hpp"
 
 namespace regulus::reference {
 
@@ -34,6 +35,9 @@ struct BsdfParameters {
   glm::dvec2 coat_alpha = glm::dvec2(0);  ///< its roughness; (0, 0): a delta
   /// Its normal on the front side, where that is not z.
   std::optional<glm::dvec3> coat_normal = std::nullopt;
+  glm::dvec3 sheen_color = glm::dvec3(0);  ///< KHR_materials_sheen
+  double sheen_roughness = 1;              ///< perceptual
+  const SheenTable* sheen = nullptr;       ///< null: there is none
   bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
@@ -95,7 +99,8 @@ class Bsdf {
 
   /// True if some lobe that w meets is not a delta: something that connections and merges can use.
   bool has_finite_lobe(const glm::dvec3& w) const {
-    return !is_delta() || diffuse_albedo_ != glm::dvec3(0) || (coat_towards(w) > 0 && !is_coat_delta());
+    return !is_delta() || diffuse_albedo_ != glm::dvec3(0) || largest_sheen(w) > 0 ||
+           (coat_towards(w) > 0 && !is_coat_delta());
   }
 
   /// True if the clearcoat's lobe is a delta event.
@@ -144,9 +149,19 @@ class Bsdf {
   glm::dvec3 diffuse_transmittance(double cosine, double eta) const;
   /// Share of the diffuse lobe's samples that are drawn from the cone in which light leaves a solid.
   double cone_share(double eta) const;
-  /// Of the diffuse lobe's samples, per solid angle.
-  double diffuse_pdf(double cosine, double eta) const;
-  glm::dvec3 sample_diffuse(const glm::dvec2& u, double eta) const;
+  /// Of the diffuse lobe's samples, per solid angle. `sheen`: its share of them.
+  double diffuse_pdf(double cosine, double eta, double sheen) const;
+  glm::dvec3 sample_diffuse(const glm::dvec2& u, double eta, double sheen) const;
+  /// Largest component of the sheen's colour on the side of w: solids have it on their outside, the rest on
+  /// both.
+  double largest_sheen(const glm::dvec3& w) const;
+  /// Share of light from w that white sheen reflects, at most 1; 0 without any.
+  double sheen_albedo(const glm::dvec3& w) const;
+  /// Factor on what lies below the sheen.
+  double sheen_passage(const glm::dvec3& wo, const glm::dvec3& wi) const;
+  glm::dvec3 sheen_value(const glm::dvec3& wo, const glm::dvec3& wi) const;
+  double sheen_share(const glm::dvec3& w) const;
+  glm::dvec3 interface_value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
   glm::dvec3 mean_transmittance(bool is_back) const;
   /// F_d as the diffuse base and the choice of lobes see it: of a rough interface by its own albedo, where
   /// what it loses between facets counts as reflected at normal incidence.

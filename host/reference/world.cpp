@@ -49,6 +49,7 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
     for (const auto& [behind, unused] : average)
       for (const auto& [in_front, also_unused] : average)
         relative_average_[{behind, in_front}] = fresnel_dielectric_average(double{behind} / in_front);
+  if ((prepared.features.bits & FEATURE_SHEEN) != 0) sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
   const bool has_rough_bases = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
   if (!compensates_energy && !has_rough_bases) return;
   std::vector<float> indices;
@@ -215,6 +216,12 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
   p.clearcoat = material.clearcoat * texture_at(material.clearcoat_texture, surface.uv).r;
   p.coat_alpha = dvec2(coat_roughness > 0 ? std::max(coat_roughness * coat_roughness, MIN_ALPHA) : 0.0);
   if (surface.coat_normal != dvec3(0)) p.coat_normal = to_material(surface, surface.coat_normal);
+  if (material.sheen_color != glm::vec3(0)) {
+    p.sheen = sheen_.get();
+    p.sheen_color = dvec3(material.sheen_color) * dvec3(texture_at(material.sheen_color_texture, surface.uv));
+    p.sheen_roughness = sheen_roughness(material.sheen_roughness *
+                                        texture_at(material.sheen_roughness_texture, surface.uv).a);
+  }
   p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
   p.specular = material.specular * texture_at(material.specular_texture, surface.uv).a;

@@ -154,6 +154,7 @@ class World {
   std::vector<double> fresnel_average_;                         // by material
   std::map<std::pair<float, float>, double> relative_average_;  // by index behind and in front, with contacts
   bool compensates_energy_ = false;
+  std::unique_ptr<const SheenTable> sheen_;     // if some material has it
   std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated, or some base has a rough cover
 };
 

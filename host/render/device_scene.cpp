@@ -87,6 +87,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       energy_tables_(energy_tables_of(device, prepared, plan)),
+      sheen_table_(gpu::upload_new(device, prepared.sheen_table, "sheen table")),
       solids_(gpu::upload_new(device, solids_of(scene).records, "solids")),
       media_sets_(gpu::upload_new(device, solids_of(scene).media_sets, "media sets")),
       light_media_(gpu::upload_new(device, solids_of(scene).of_light, "media of lights")),
@@ -128,6 +129,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);
+  frame.sheen_table = address(sheen_table_);
   frame.solids = address(solids_);
   frame.media_sets = address(media_sets_);
   frame.light_media = address(light_media_);

@@ -81,10 +81,12 @@ bool has_rough_base(const Scene& scene, const interface::Material& material) {
 uint32_t material_features(const Scene& scene, const interface::Material& material) {
   uint32_t bits = specular_features(scene, material);
   if (has_rough_base(scene, material)) bits |= interface::FEATURE_ROUGH_BASE;
+  if (material.sheen_color != glm::vec3(0)) bits |= interface::FEATURE_SHEEN;
   for (const uint32_t texture :
        {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
-        material.clearcoat_normal_texture, material.anisotropy_texture})
+        material.clearcoat_normal_texture, material.anisotropy_texture, material.sheen_color_texture,
+        material.sheen_roughness_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   if (material.specular_texture != INVALID_INDEX || material.specular_color_texture != INVALID_INDEX)
     bits |= interface::FEATURE_SPECULAR_TEXTURES | interface::FEATURE_TEXTURES;
@@ -106,7 +108,7 @@ bool is_connectible(const interface::Material& material) {
   const bool has_rough_coat =
       material.clearcoat > 0 &&
       (material.clearcoat_roughness > 0 || material.clearcoat_roughness_texture != INVALID_INDEX);
-  return has_diffuse || has_rough_coat || material.anisotropy > 0 ||
+  return has_diffuse || has_rough_coat || material.sheen_color != glm::vec3(0) || material.anisotropy > 0 ||
          material.metallic_roughness_texture != INVALID_INDEX || material.roughness > 0 ||
          material.transmission_texture != INVALID_INDEX;
 }
@@ -178,6 +180,7 @@ std::span<const FeatureDescription> feature_descriptions() {
                          "what rays that leave the scene meet, its sampling and its weight"},
       FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"},
       FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
+      FeatureDescription{FEATURE_SHEEN, "sheen", "the lobe of fibres on cloth"},
       FeatureDescription{FEATURE_COAT_NORMALS, "coat_normals", "clearcoats whose normal is not the base's"},
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",

@@ -37,8 +37,9 @@ uint32_t classify(const interface::Material& material) {
   if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
   const bool can_be_metal = material.metallic > 0;  // the texture only scales it
   const bool reflects = material.specular > 0 && material.ior != 1.0f;
-  return can_be_metal || reflects || material.clearcoat > 0 ? interface::MATERIAL_CLASS_OPAQUE
-                                                            : interface::MATERIAL_CLASS_DIFFUSE;
+  return can_be_metal || reflects || material.clearcoat > 0 || material.sheen_color != glm::vec3(0)
+             ? interface::MATERIAL_CLASS_OPAQUE
+             : interface::MATERIAL_CLASS_DIFFUSE;
 }
 
 /// Converts one material; holds what all its steps need.
@@ -62,6 +63,7 @@ class MaterialBuilder {
     set_transmission(material);
     set_emission(material);
     set_coat_and_anisotropy(material);
+    set_sheen(material);
     if (is_unlit(source_)) make_unlit(material);
     return material;
   }
@@ -159,6 +161,14 @@ class MaterialBuilder {
         finite_float(document_, std::sin(rotation), name_ + ": anisotropyRotation")};
   }
 
+  void set_sheen(interface::Material& material) {
+    const Value* sheen = extension("KHR_materials_sheen");
+    material.sheen_roughness = factor(number(sheen, "sheenRoughnessFactor", 0), "sheenRoughnessFactor");
+    if (sheen == nullptr || !sheen->Has("sheenColorFactor")) return;  // black
+    const glm::dvec3 tint = color(sheen, "sheenColorFactor");
+    for (int i = 0; i < 3; ++i) material.sheen_color[i] = factor(tint[i], "sheenColorFactor");
+  }
+
   /// The flags say what the file asks for; add_materials clears them where nothing is less than whole.
   void set_alpha(interface::Material& material) {
     material.alpha = factor(source_.pbrMetallicRoughness.baseColorFactor[3], "baseColorFactor alpha");
@@ -186,6 +196,7 @@ class MaterialBuilder {
     material.base_color = material.specular_color = glm::vec3(0);
     material.metallic = material.specular = material.transmission = 0;
     material.clearcoat = material.anisotropy = 0;
+    material.sheen_color = glm::vec3(0);
     material.absorption = glm::vec3(0);
     material.flags &= ALPHA_FLAGS;
     material.flags |= interface::MATERIAL_DOUBLE_SIDED | interface::MATERIAL_UNLIT;
@@ -258,6 +269,12 @@ class TextureSlots {
       material.clearcoat_roughness_texture = data("KHR_materials_clearcoat", "clearcoatRoughnessTexture",
                                                   "the clearcoat's roughness by its factor");
       attach_coat_normals(material);
+    }
+    if (material.sheen_color != glm::vec3(0)) {
+      material.sheen_color_texture = load(texture_use(source_, "KHR_materials_sheen", "sheenColorTexture"),
+                                          TextureContent::Color, "sheen by its factor");
+      material.sheen_roughness_texture =
+          data("KHR_materials_sheen", "sheenRoughnessTexture", "the sheen's roughness by its factor");
     }
     if (material.anisotropy > 0)
       material.anisotropy_texture =
@@ -338,7 +355,7 @@ interface::Material untextured_material() {
         &material.specular_color_texture, &material.emissive_texture, &material.transmission_texture,
         &material.normal_texture, &material.alpha_texture, &material.clearcoat_texture,
         &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture,
-        &material.anisotropy_texture})
+        &material.anisotropy_texture, &material.sheen_color_texture, &material.sheen_roughness_texture})
     *texture = INVALID_INDEX;
   return material;
 }

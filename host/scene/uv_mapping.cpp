@@ -56,7 +56,9 @@ std::vector<UvMapping> mappings_of(const tinygltf::Material& material) {
           {"KHR_materials_clearcoat", "clearcoatTexture"},
           {"KHR_materials_clearcoat", "clearcoatRoughnessTexture"},
           {"KHR_materials_clearcoat", "clearcoatNormalTexture"},
-          {"KHR_materials_anisotropy", "anisotropyTexture"}})
+          {"KHR_materials_anisotropy", "anisotropyTexture"},
+          {"KHR_materials_sheen", "sheenColorTexture"},
+          {"KHR_materials_sheen", "sheenRoughnessTexture"}})
       uses.push_back(texture_use(material, extension, texture));
   }
   std::vector<UvMapping> mappings;

@@ -125,8 +125,12 @@ struct Material {
   float anisotropy;                 // strength, [0, 1]: alpha along the direction is mix(alpha, 1, strength^2)
   vec2 anisotropy_direction;        // unit, in the tangent frame: where the roughness is stretched to
   uint anisotropy_texture;          // RG: 2 texel - 1, a direction turned with anisotropy_direction; B: strength
+  vec3 sheen_color;                 // linear factor, [0, 1]; black: no sheen
+  float sheen_roughness;            // perceptual
+  uint sheen_color_texture;         // RGB
+  uint sheen_roughness_texture;     // A
 };
-REGULUS_LAYOUT(Material, 160);
+REGULUS_LAYOUT(Material, 184);
 
 // Wrap modes (glTF sampler), filters and coordinates, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

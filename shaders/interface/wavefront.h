@@ -85,6 +85,7 @@ REGULUS_CONSTANT FEATURE_SMOOTH_NORMALS = 256u;    // some triangle's normals di
 REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emits from both faces
 REGULUS_CONSTANT FEATURE_CLIPPING = 1u << 12;      // some camera has a clipping plane that hides something
 REGULUS_CONSTANT FEATURE_LIGHT_RANGES = 1u << 13;  // some point or spot light ends at a distance; implies POINT_LIGHTS
+REGULUS_CONSTANT FEATURE_SHEEN = 1u << 14;         // some material has sheen
 REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
 REGULUS_CONSTANT FEATURE_ENVIRONMENT = 1024u;      // light from all directions
@@ -345,6 +346,7 @@ struct Frame {
   DeviceAddress film_earlier;   // `film` and `splat_film` together, as they were after the last whole sample
   DeviceAddress film_squares;   // as `film`, sums of the squares of whole samples
   DeviceAddress energy_tables;  // see lib/energy.glsl
+  DeviceAddress sheen_table;    // float, see interface/sheen.h; only with FEATURE_SHEEN
   // Only with images of strategies (lib/strategies.glsl).
   DeviceAddress strategy_film;         // per strategy two films as `film`, weighted and not
   DeviceAddress strategy_layers;       // per edges of a path, s, and whether it is a merge: the number of the strategy
@@ -386,7 +388,7 @@ struct Frame {
   uint vertex_uv_sets;
   uint camera_media;           // with FEATURE_CONTACTS: index of the camera's MediaSet, or MEDIA_VARY
 };
-REGULUS_LAYOUT(Frame, 728);
+REGULUS_LAYOUT(Frame, 736);
 
 // Push constants of every stage.
 struct StageArguments {

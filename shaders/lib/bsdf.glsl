@@ -18,7 +18,7 @@
 // KHR_materials_clearcoat in the reciprocal form that it allows. Of a coat with a normal of its own these cosines are those
 // with that normal, and its lobe has the factor |cos with the coat's normal| / |cos with the base's| of the direction to the
 // light: it reflects what falls on the coat. As with all shading normals that is a function of the path.
-// With --energy-compensation see lib/energy.glsl.
+// Between the two lies sheen (lib/lobes/sheen.glsl). With --energy-compensation see lib/energy.glsl.
 //
 // A walk chooses the coat with probability P_c, the diffuse lobe with probability P_d by what each would reflect at wo, else a visible
 // normal, then reflection or transmission by the Fresnel weights there.
@@ -118,6 +118,16 @@ void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec
   if (bsdf.coat_alpha.x > 0.0) lobes.coat_density = min(0.25 * lobes.coat_terms.density, MAX_DENSITY);
 }
 
+// Puts all lobes under sheen, and adds its own to the diffuse one. is_lit: the diffuse lobe sees both directions.
+void put_under_sheen(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, bool is_lit, inout Lobes lobes) {
+  float cos_i = abs(wi.z);
+  SheenPassage passage = sheen_passage(bsdf.sheen, wo.z, cos_i, facet.is_transmitted);
+  lobes.diffuse *= passage.passed;
+  lobes.weight *= passage.passed;
+  if (is_lit && bsdf.sheen.here > 0.0)
+    lobes.diffuse += bsdf.sheen.color * sheen_value(bsdf.sheen, facet.h, wo.z, cos_i, passage);
+}
+
 Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   Lobes lobes;
   float cos_o = wo.z;
@@ -147,17 +157,20 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   vec3 passage_o = base_passage(bsdf, cos_o, bsdf.excess);
   vec3 passage_i = base_passage(bsdf, cos_i, excess_i);
   vec2 s_o = passage_o.xy, s_i = passage_i.xy;
-  float diffuse_o = diffuse_probability(bsdf, cos_o, s_o);
-  float diffuse_i = diffuse_probability(bsdf, cos_i, s_i);
+  float sheen_i = facet.is_transmitted ? bsdf.sheen.across : bsdf.sheen.here;
+  float diffuse_o = diffuse_probability(bsdf, cos_o, s_o, bsdf.sheen.here);
+  float diffuse_i = diffuse_probability(bsdf, cos_i, s_i, sheen_i);
   if (compensates_energy()) {
     passage_o = vec3(rough_position(bsdf, cos_o, s_o), 0.0);
     passage_i = vec3(rough_position(bsdf, cos_i, s_i), 0.0);
   }
   lobes.diffuse =
       bsdf.diffuse * base_transmittance(bsdf, passage_o) * base_transmittance(bsdf, passage_i) * same_side;
-  lobes.diffuse_forward = diffuse_o * diffuse_density(bsdf, cos_i) * same_side;
-  lobes.diffuse_reverse = diffuse_i * diffuse_density(bsdf, cos_o) * same_side;
+  lobes.diffuse_forward =
+      diffuse_o * diffuse_density(bsdf, cos_i, sheen_share(bsdf, cos_o, s_o, bsdf.sheen.here)) * same_side;
+  lobes.diffuse_reverse = diffuse_i * diffuse_density(bsdf, cos_o, sheen_share(bsdf, cos_i, s_i, sheen_i)) * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
+    if (bsdf_has_sheen()) put_under_sheen(bsdf, wo, wi, facet, same_side > 0.0, lobes);
     if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
     return lobes;
   }
@@ -200,6 +213,7 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   lobes.choice_forward = (1.0 - diffuse_o) * reflect_o;
   lobes.choice_reverse = (1.0 - diffuse_i) * reflect_i * reverse_scale;
+  if (bsdf_has_sheen()) put_under_sheen(bsdf, wo, wi, facet, same_side > 0.0, lobes);
   if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
   return lobes;
 }
@@ -359,7 +373,9 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, floa
     reflect_i = 1.0 - reflect_i;
   }
   eval.pdf_forward = (1.0 - diffuse_o) * reflect_o;
-  eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position)) * reflect_i;
+  float sheen_i = event.facet.is_transmitted ? bsdf.sheen.across : bsdf.sheen.here;
+  eval.pdf_reverse = (1.0 - diffuse_probability(bsdf, cos_i, event.position, sheen_i)) * reflect_i;
+  if (bsdf_has_sheen()) eval.value *= sheen_passage(bsdf.sheen, wo.z, cos_i, event.facet.is_transmitted).passed;
   if (bsdf_has_coat()) {
     vec2 position_o = event.position, position_i = event.position;
     if (is_coat && (has_rough_base() || (bsdf_has_coat_normal() && bsdf.is_coat_turned))) {
@@ -376,7 +392,11 @@ const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0)
 
 // Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
 BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
-  vec3 diffuse_wi = sample_diffuse(bsdf, u);
+  vec2 s_o = vec2(0.0);
+  if (bsdf_has_specular()) s_o = base_passage(bsdf, wo.z, bsdf.excess).xy;
+  float sheen = 0.0;
+  if (bsdf_has_sheen()) sheen = sheen_share(bsdf, wo.z, s_o, bsdf.sheen.here);
+  vec3 diffuse_wi = sample_diffuse(bsdf, u, sheen);
   Encounter facet = reflection_encounter(wo, diffuse_wi);
   vec3 wi = diffuse_wi;
   bool is_diffuse = true;
@@ -384,8 +404,7 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   bool is_delta = false;
   BsdfEval delta;
   if (bsdf_has_specular()) {
-    vec2 s_o = base_passage(bsdf, wo.z, bsdf.excess).xy;
-    float diffuse_o = diffuse_probability(bsdf, wo.z, s_o);
+    float diffuse_o = diffuse_probability(bsdf, wo.z, s_o, bsdf.sheen.here);
     float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, coat_cosine(bsdf, wo), s_o).x : 0.0;
     is_coat = bsdf_has_coat() && u_lobe < coat_o;
     if (bsdf_has_coat()) {

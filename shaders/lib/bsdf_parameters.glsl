@@ -5,6 +5,7 @@
 
 #include "lib/cover.glsl"
 #include "lib/fresnel.glsl"
+#include "lib/lobes/sheen.glsl"
 #include "lib/ndf.glsl"
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
@@ -64,6 +65,7 @@ struct Bsdf {
   EnergyTables energy;   // only with compensates_energy() or has_rough_base()
   bool is_solid;         // it refracts; only with compensates_energy()
   vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
+  Sheen sheen;           // only with bsdf_has_sheen()
   float cover;           // share of the rough interface's own albedo in what the base gets (lib/cover.glsl)
 };
 
@@ -163,11 +165,22 @@ vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) 
   return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
 }
 
-// Probability of sampling the diffuse lobe from a direction with cosine c and that Fresnel position.
-float diffuse_probability(Bsdf bsdf, float c, vec2 position) {
+// Luminance of what sheen reflects of light from a direction with cosine c, on a side where it has this largest component.
+float sheen_luminance(Bsdf bsdf, float c, float largest) {
+  return min(sheen_albedo(bsdf.sheen, c, largest), 1.0) * dot(bsdf.sheen.color, LUMINANCE);
+}
+
+// Probability of sampling the diffuse lobe, sheen included, from a direction with cosine c and that Fresnel position, on a
+// side with sheen of this largest component.
+float diffuse_probability(Bsdf bsdf, float c, vec2 position, float sheen) {
   if (!bsdf_has_specular()) return 1.0;
   float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
   float specular = reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
+  if (bsdf_has_sheen()) {
+    float passed = 1.0 - sheen * min(sheen_albedo(bsdf.sheen, c, sheen), 1.0);
+    diffuse = passed * diffuse + sheen_luminance(bsdf, c, sheen);
+    specular *= passed;
+  }
   return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
 }
 
@@ -192,6 +205,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
     bsdf.coat_alpha = vec2(0.0);
     bsdf.coat_normal = vec3(0.0, 0.0, 1.0);
     bsdf.is_coat_turned = false;
+    bsdf.sheen = NO_SHEEN;
     bsdf.cover = 0.0;
     return bsdf;
   }
@@ -214,6 +228,8 @@ Bsdf make_bsdf(Material material, bool is_front) {
 
   bsdf.coat_normal = vec3(0.0, 0.0, 1.0);  // where it is turned the caller says how
   bsdf.is_coat_turned = (material.flags & MATERIAL_COAT_NORMAL) != 0u;
+
+  bsdf.sheen = NO_SHEEN;  // the caller has its table
 
   // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
   float ior = material.ior;
@@ -255,15 +271,30 @@ float cone_share(Bsdf bsdf) {
   return in_cone > 0.0 ? (1.0 - bsdf.cover) * (in_cone / (in_cone + (1.0 - bsdf.f90))) : 0.0;
 }
 
-// Density of a direction with cosine c among the diffuse lobe's samples, times pi.
-float diffuse_density(Bsdf bsdf, float c) {
+// Share of sheen among the diffuse lobe's samples, from a direction with cosine c and that Fresnel position.
+float sheen_share(Bsdf bsdf, float c, vec2 position, float sheen) {
+  if (!bsdf_has_sheen() || !(sheen > 0.0)) return 0.0;
+  float below = max(bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y, 0.0);
+  float above = sheen_luminance(bsdf, c, sheen);
+  float passed = 1.0 - sheen * min(sheen_albedo(bsdf.sheen, c, sheen), 1.0);
+  return above > 0.0 ? above / (above + passed * below) : 0.0;
+}
+
+// Density of a direction with cosine c among the diffuse lobe's samples, times pi. sheen: the share above.
+float diffuse_density(Bsdf bsdf, float c, float sheen) {
+  if (bsdf_has_sheen() && sheen > 0.0) return mix(c, 0.5, sheen);
   float share = cone_share(bsdf);
   if (!(share > 0.0)) return c;
   bool is_in_cone = (1.0 - c) * (1.0 + c) * bsdf.inverse_eta_squared < 1.0;
   return c * (1.0 - share + (is_in_cone ? share * bsdf.inverse_eta_squared : 0.0));
 }
 
-vec3 sample_diffuse(Bsdf bsdf, vec2 u) {
+vec3 sample_diffuse(Bsdf bsdf, vec2 u, float sheen) {
+  if (bsdf_has_sheen() && sheen > 0.0) {
+    bool is_sheen = u.x < sheen;
+    u.x = min(is_sheen ? u.x / sheen : (u.x - sheen) / max(1.0 - sheen, 1e-7), ONE_MINUS_ULP);
+    return is_sheen ? sample_cone(u, 1.0) : sample_cosine_hemisphere(u);
+  }
   float share = cone_share(bsdf);
   if (!(share > 0.0)) return sample_cosine_hemisphere(u);
   bool is_in_cone = u.x < share;
@@ -272,6 +303,14 @@ vec3 sample_diffuse(Bsdf bsdf, vec2 u) {
   if (!is_in_cone) return w;
   w.xy *= inversesqrt(bsdf.inverse_eta_squared);
   return vec3(w.xy, sqrt(1.0 - dot(w.xy, w.xy)));
+}
+
+// Puts sheen on a bsdf, on the sides that a clearcoat would be on.
+void add_sheen(DeviceAddress table, Material material, bool is_front, inout Bsdf bsdf) {
+  bool is_solid = bsdf_has_transmission() && material.transmission > 0.0 && !bsdf.is_thin;
+  float largest = max(material.sheen_color.r, max(material.sheen_color.g, material.sheen_color.b));
+  bsdf.sheen = Sheen(material.sheen_color, max(material.sheen_roughness, SHEEN_LEAST), is_solid && !is_front ? 0.0 : largest,
+                     is_solid && is_front ? 0.0 : largest, table);
 }
 
 // Prepares a bsdf for energy compensation (lib/energy.glsl): looks up its tables and lets the diffuse lobe have what a

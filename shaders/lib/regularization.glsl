@@ -27,6 +27,7 @@ bool diffuses(Bsdf bsdf) {
   if (!bsdf_has_specular()) return true;
   // From inside as from outside: this is a function of the path.
   if (bsdf_has_coat() && max(bsdf.coat, bsdf.coat_across) > 0.0 && bsdf.coat_alpha.x >= SHARP_ALPHA) return true;
+  if (bsdf_has_sheen() && max(bsdf.sheen.here, bsdf.sheen.across) > 0.0) return true;
   return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
 }
 

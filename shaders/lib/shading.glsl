@@ -194,6 +194,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)
     point.bsdf.geometric_normal = to_local(point, point.geometric_normal);
   if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
+  if (bsdf_has_sheen()) add_sheen(frame.sheen_table, point.material, point.is_front, point.bsdf);
   if (compensates_energy()) compensate_energy(frame.energy_tables, point.material, point.bsdf);
   if (has_rough_base()) cover_base(frame.energy_tables, point.material, point.bsdf);
   return point;
@@ -243,6 +244,7 @@ bool is_connectible(ShadingPoint point) {
   if (spec_regularization != REGULARIZATION_NONE) return true;
   if (!bsdf_has_delta() || point.bsdf.alpha.x > 0.0) return true;
   if (bsdf_has_coat() && point.bsdf.coat > 0.0 && point.bsdf.coat_alpha.x > 0.0) return true;
+  if (bsdf_has_sheen() && point.bsdf.sheen.here > 0.0) return true;
   return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
 }
 

@@ -83,6 +83,10 @@ void apply_textures(Frame frame, TextureCoordinates uv, vec4 color, inout Materi
     material.clearcoat *= sample_texture(frame, material.clearcoat_texture, uv).r;
     material.clearcoat_roughness *= sample_texture(frame, material.clearcoat_roughness_texture, uv).g;
   }
+  if ((spec_features & FEATURE_SHEEN) != 0u) {
+    material.sheen_color *= sample_color_texture(frame, material.sheen_color_texture, uv).rgb;
+    material.sheen_roughness *= sample_texture(frame, material.sheen_roughness_texture, uv).a;
+  }
   if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
     material.transmission *= sample_texture(frame, material.transmission_texture, uv).r;
 }

@@ -27,7 +27,7 @@ struct StabilityBsdfCase {
   float u_lobe;   // of the sample
   vec2 u;
 };
-REGULUS_LAYOUT(StabilityBsdfCase, 212);
+REGULUS_LAYOUT(StabilityBsdfCase, 236);
 
 struct StabilityBsdfResult {
   float value, pdf_forward, pdf_reverse;  // at (wo, wi), green

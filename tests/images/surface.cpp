@@ -8,6 +8,8 @@
 
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
+#include "images/support/room.hpp"
+#include "render/names.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -238,6 +240,24 @@ TEST_F(Surfaces, ClearcoatsReflectAndPass) {
     const double known = fresnel + (1 - fresnel) * ALBEDO * (1 - COAT * (0.04 + 0.96 / 21));
     const auto batches = render_batches(prepare(scene), box_filtered(16, 16, 32, 2), 11, 300);
     expect_known("clearcoat", batches, uniform_image(16, 16, {known, known, known}));
+  }
+}
+
+// Sheen over black in a room that shines everywhere: the integral of its formulas, by a program of its own
+// (Gauss and Legendre, 160 x 160 points).
+TEST_F(Surfaces, SheenReflectsWhatItsFormulasSay) {
+  GltfScene scene;
+  json black = cloth(lambert(dvec3(0)), {1, 0.5, 0.25}, 0.5);
+  scene.add({SQUARE}, black);
+  scene.add(turned(box({-9, -9, -9}, {9, 9, 9})), emitter({1, 1, 1}));
+  scene.set_orthographic(look_at({0.1 * std::sqrt(0.75), 0, 0.05}, {0, 0, 0}), 0.01, 0.01);
+  constexpr double KNOWN = 0.187854;
+  for (const uint32_t techniques :
+       {render::names::INTEGRATORS[0].value, render::names::INTEGRATORS[2].value}) {
+    render::RenderSettings settings = box_filtered(16, 16, 32, 2);
+    settings.techniques = techniques;  // pt, bpt
+    const auto batches = render_batches(prepare(scene), settings, 11, 300);
+    expect_known("sheen", batches, uniform_image(16, 16, {KNOWN, KNOWN / 2, KNOWN / 4}));
   }
 }
 

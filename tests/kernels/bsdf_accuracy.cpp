@@ -48,6 +48,7 @@ dvec3 random_direction(Random& random, double sign) {
 BsdfCase random_case(Kind kind, const Model& model, double smallest_alpha, Random& random) {
   BsdfCase c{};
   c.material = random_material(kind, random);
+  use_sheen(c);
   const double alpha = random.log_uniform(smallest_alpha, 1);
   c.material.roughness = static_cast<float>(std::sqrt(alpha));
   c.alpha = glm::vec2(-1);

@@ -20,6 +20,7 @@ layout(push_constant, scalar) uniform BatchArguments {
 Bsdf bsdf_of(BsdfCase c) {
   Bsdf bsdf = make_bsdf(c.material, c.is_front != 0u);
   if (c.alpha.x >= 0.0) bsdf.alpha = c.alpha;
+  if (c.sheen != uvec2(0u)) add_sheen(c.sheen, c.material, c.is_front != 0u, bsdf);
   if (c.tables != uvec2(0u)) cover_base(c.tables, c.material, bsdf);
   return bsdf;
 }

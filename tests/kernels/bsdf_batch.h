@@ -18,9 +18,10 @@ struct BsdfCase {
   vec3 wi;        // evaluation only
   float u_lobe;   // sampling only
   vec2 u;         // sampling only
+  DeviceAddress sheen;   // table of sheen (interface/sheen.h); zero: without sheen
   DeviceAddress tables;  // covers of diffuse bases (interface/energy.h); zero: as under smooth interfaces
 };
-REGULUS_LAYOUT(BsdfCase, 220);
+REGULUS_LAYOUT(BsdfCase, 252);
 
 struct BsdfEvaluated {
   vec3 value;

@@ -5,6 +5,7 @@
 #include <map>
 
 #include "render/energy_tables.hpp"
+#include "scene/sheen_table.hpp"
 
 namespace regulus::test_kernels {
 std::span<const uint32_t> spirv(std::string_view name);
@@ -57,6 +58,12 @@ Inputs inputs_of(const BsdfCase& c, const Model& model) {
   p.clearcoat = m.clearcoat;
   p.coat_alpha = glm::dvec2(double{m.clearcoat_roughness * m.clearcoat_roughness});
   p.is_volume = (m.flags & MATERIAL_VOLUME) != 0;
+  if (c.sheen != DeviceAddress(0) && m.sheen_color != vec3(0)) {
+    static const reference::SheenTable table(scene::make_sheen_table());
+    p.sheen = &table;
+    p.sheen_color = dvec3(m.sheen_color);
+    p.sheen_roughness = reference::sheen_roughness(m.sheen_roughness);
+  }
   if (c.tables != DeviceAddress(0)) p.cover = covers_of(model);
   return {p, mirrored_if_back(dvec3(c.wo), c), mirrored_if_back(dvec3(c.wi), c),
           c.mode == 0 ? TransportMode::Radiance : TransportMode::Importance};
@@ -163,6 +170,10 @@ Material random_material(Kind kind, Random& random) {
     material.clearcoat = number(0.05, 1);
     material.clearcoat_roughness = number(0.2, 1);
   }
+  if (kind != Kind::Metal && random.uniform() < 0.3) {
+    material.sheen_color = {number(0, 1), number(0.02, 1), number(0, 1)};
+    material.sheen_roughness = number(0, 1);
+  }
   if (kind == Kind::Mixed || kind == Kind::Coated) {
     material.metallic = number(0, 1);
     material.transmission = number(0.05, 1);
@@ -226,6 +237,8 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
     add_effect([axis](Inputs& i) -> double& { return i.parameters.alpha[axis]; });
   for (int axis = 0; axis < 2; ++axis)
     add_effect([axis](Inputs& i) -> double& { return i.parameters.coat_alpha[axis]; });
+  // The density of sheen is a power of up to 1 / .07^2 of a sine that is known to a rounding or two.
+  if (c.sheen != DeviceAddress(0)) sum.value += 0x1p-23 / (0.07 * 0.07) * base.value;
   sum.pdf_forward += choice_error * base.pdf_forward;
   sum.pdf_reverse += choice_error * base.pdf_reverse;
   return sum;
@@ -256,6 +269,13 @@ std::vector<Material> extreme_materials(Kind kind) {
   coloured.specular_color = {100, 0, 1};
   coloured.ior = 5;
   materials.push_back(coloured);
+  if (kind == Kind::Diffuse) return materials;
+  for (const float roughness : {0.0f, 1.0f}) {
+    Material cloth = plain_material(kind, 0.3f);
+    cloth.sheen_color = vec3(1);
+    cloth.sheen_roughness = roughness;
+    materials.push_back(cloth);
+  }
   return materials;
 }
 
@@ -289,6 +309,7 @@ std::vector<BsdfCase> extreme_cases(uint32_t material_class) {
           for (const vec3& wi : extreme_partners(wo, material.ior, is_front)) {
             BsdfCase c{};
             c.material = material;
+            use_sheen(c);
             c.alpha = vec3(-1);
             c.is_front = is_front;
             c.mode = partner_index & 1;
@@ -312,6 +333,11 @@ gpu::Buffer cover_tables(const Model& model) {
   settings.ndf = model.ndf;
   settings.shadowing = model.shadowing;
   return render::make_energy_tables(*device(), {plain_material(Kind::Mixed, 1)}, settings);
+}
+
+void use_sheen(BsdfCase& c) {
+  static const gpu::Buffer table = gpu::upload_new(*device(), scene::make_sheen_table(), "sheen table");
+  if (c.material.sheen_color != vec3(0)) c.sheen = device_address(table.address());
 }
 
 gpu::Kernel create_kernel(std::string_view name, const Model& model) {

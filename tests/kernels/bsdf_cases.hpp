@@ -75,6 +75,9 @@ std::vector<interface::BsdfCase> extreme_cases(uint32_t material_class);
 /// address.
 gpu::Buffer cover_tables(const Model& model);
 
+/// Gives cases whose material has sheen the table of what it reflects.
+void use_sheen(interface::BsdfCase& c);
+
 /// The kernel `name` of tests/kernels, specialized.
 gpu::Kernel create_kernel(std::string_view name, const Model& model);
 

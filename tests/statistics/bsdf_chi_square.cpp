@@ -45,6 +45,12 @@ std::vector<BsdfCase> draw_cases(Kind kind) {
     cases.push_back(draw_case(kind, 0.2f, 0.8, false));
     cases.push_back(draw_case(kind, 0.6f, 0.4, false));
   }
+  if (kind == Kind::Plastic || kind == Kind::Coated) {
+    cases.push_back(cases[1]);
+    cases.back().material.sheen_color = {1, 0.5f, 0.25f};
+    cases.back().material.sheen_roughness = 0.4f;
+    use_sheen(cases.back());
+  }
   for (size_t i = 0; i < cases.size(); ++i)
     cases[i].mode = static_cast<uint32_t>(1000 * base_seed() + i);  // seed
   return cases;
@@ -54,8 +60,9 @@ class BsdfChiSquare : public testing::TestWithParam<Kind> {};
 
 TEST_P(BsdfChiSquare, SamplesFollowTheirDensity) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  // Models times cases of all kinds, the diffuse class, and the anisotropic ones of six models.
-  constexpr int TESTS = 9 * (3 + 3 + 3 + 5 + 5 + 5) + 3 + 6 * 6;
+  // Models times cases of all kinds (two with sheen), the diffuse class, and the anisotropic ones of six
+  // models.
+  constexpr int TESTS = 9 * (3 + 4 + 3 + 5 + 5 + 6) + 3 + 6 * 6;
   const double significance = significance_per_test(FALSE_ALARM, TESTS);
   double smallest_p = 1;
   for (const Model& model : models_of_class(material_class_of(GetParam()))) {

@@ -273,10 +273,10 @@ TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
   Gltf file;
   const size_t texture = file.texture(make_png(1, 1, 3, 8, {0, 0, 0}));
   file.triangle_of({{"alphaMode", "DITHER"}, {"normalTexture", {{"index", texture}}}});
-  file.root["extensionsUsed"] = {"KHR_materials_sheen"};
+  file.root["extensionsUsed"] = {"KHR_materials_iridescence"};
   const Scene scene = file.load();
   EXPECT_TRUE(has_warning(scene, "alphaMode 'DITHER'"));
-  EXPECT_TRUE(has_warning(scene, "KHR_materials_sheen"));
+  EXPECT_TRUE(has_warning(scene, "KHR_materials_iridescence"));
 }
 
 // Alpha is asked for where something is less than whole, by factor, texture or vertex.
@@ -456,6 +456,18 @@ TEST(SceneFeatures, FollowTheScene) {
                 interface::FEATURE_DIRECTIONAL_LIGHTS | interface::FEATURE_DELTA_SPECULAR |
                 interface::FEATURE_ABSORPTION | interface::FEATURE_MANY_LIGHTS |
                 interface::FEATURE_SMOOTH_NORMALS | interface::FEATURE_BULGES);
+}
+
+TEST(SceneMaterial, SheenIsReadAndMakesALobe) {
+  const Scene scene = load_material(
+      {{"extensions",
+        {{"KHR_materials_sheen", {{"sheenColorFactor", {0.25, 0.5, 1}}, {"sheenRoughnessFactor", 0.3}}},
+         {"KHR_materials_specular", {{"specularFactor", 0}}}}},
+       {"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  EXPECT_EQ(scene.materials[0].sheen_color, glm::vec3(0.25F, 0.5F, 1));
+  EXPECT_EQ(scene.materials[0].sheen_roughness, 0.3F);
+  EXPECT_EQ(scene.materials[0].material_class, interface::MATERIAL_CLASS_OPAQUE);
+  EXPECT_NE(find_features(scene).bits & interface::FEATURE_SHEEN, 0U);
 }
 
 }  // namespace

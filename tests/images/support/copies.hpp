@@ -62,13 +62,14 @@ inline GltfScene copies_scene() {
   return scene;
 }
 
-/// Clearcoats whose normals are not those of what they cover.
+/// Clearcoats whose normals are not those of what they cover, and sheen under some of them: on an opaque
+/// surface, on glass and on a pane.
 inline GltfScene coats_scene() {
   GltfScene scene;
   scene.add({quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6})}, lambert({0.7, 0.6, 0.5}));
   scene.add({quad({-1, 3, -1}, {2, 0, 0}, {0, 0, 2})}, emitter({6, 6, 5}));
   const glm::dvec3 half(0.5);
-  add_ball(scene, bumpy(scene, coated(plastic({0.8, 0.3, 0.2}, 0.5), 0)),
+  add_ball(scene, bumpy(scene, coated(cloth(plastic({0.8, 0.3, 0.2}, 0.5), {0.9, 0.5, 0.2}, 0.4), 0)),
            placed({-1.3, 0.5, 0.2}, 30, {0, 1, 0}, half));
   add_ball(scene, coated(metal({0.9, 0.8, 0.6}, 0), 0.4, relief(scene)),
            placed({-0.1, 0.5, 0.4}, 50, {1, 2, 0.5}, half));
@@ -76,11 +77,12 @@ inline GltfScene coats_scene() {
   brushed["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.7}};
   add_ball(scene, coated(brushed, 0.1, relief(scene, 2246822519u)),
            placed({1.1, 0.5, 0.3}, 70, {0.3, 1, 0}, half));
-  add_ball(scene, coated(glass(1.5, 0.3, {0.4, 0.8, 0.9}), 0, relief(scene)),
+  add_ball(scene, coated(cloth(glass(1.5, 0.3, {0.4, 0.8, 0.9}), {0.2, 0.5, 0.3}, 0.7), 0, relief(scene)),
            placed({-0.6, 0.4, 1.4}, 20, {0, 1, 0}, half));
   nlohmann::json pane = plastic({0.9, 0.9, 0.6}, 0.3);
   pane["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.7}};
-  add_ball(scene, coated(pane, 0.3, relief(scene)), placed({0.6, 0.4, 1.4}, 40, {0, 1, 0.2}, half));
+  add_ball(scene, coated(cloth(pane, {0.3, 0.3, 0.6}, 0.25), 0.3, relief(scene)),
+           placed({0.6, 0.4, 1.4}, 40, {0, 1, 0.2}, half));
   scene.set_perspective(look_at({0, 1.5, 4.5}, {0, 0.7, 0}), 0.7);
   return scene;
 }

@@ -49,6 +49,13 @@ inline nlohmann::json coated(nlohmann::json material, double roughness, const nl
   return material;
 }
 
+/// The material under sheen.
+inline nlohmann::json cloth(nlohmann::json material, const glm::dvec3& color, double roughness) {
+  material["extensions"]["KHR_materials_sheen"] = {{"sheenColorFactor", {color.x, color.y, color.z}},
+                                                   {"sheenRoughnessFactor", roughness}};
+  return material;
+}
+
 inline const nlohmann::json WHITE = lambert({0.7, 0.7, 0.7});
 
 // Faces down.
