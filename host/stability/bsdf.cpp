@@ -230,6 +230,7 @@ struct BsdfResults {
 std::vector<Sweep> sweep_bsdf(gpu::Device& device, Extent extent) {
   const std::vector<BsdfSweep> sweeps = bsdf_sweeps(extent);
   std::vector<BsdfResults> results;
+  results.reserve(sweeps.size());
   for (const BsdfSweep& sweep : sweeps) results.emplace_back(sweep);
   for (size_t m = 0; m < (extent == Extent::Quick ? QUICK_MODELS : std::size(MODELS)); ++m) {
     const Model& model = MODELS[m];

@@ -149,6 +149,7 @@ Sweep spots_over_angle(gpu::Device& device, Extent extent) {
         2 * std::numbers::pi_v<Exact> * (height(outer / 2) + (height(outer) - height(outer / 2)) / 3);
     const Exact moved = 2 * std::numbers::pi_v<Exact> * 0x1p-23L;
     std::vector<StabilitySpot> spots;
+    spots.reserve(20);
     for (int i = 0; i < 20; ++i)
       spots.push_back({static_cast<float>(std::cos(outer / 2)),
                        static_cast<float>(std::cos(outer)),

@@ -80,6 +80,7 @@ std::pair<double, double> Sweep::accurate_range(double error) const {
 
 std::vector<double> in_equal_ratios(double low, double high, int count) {
   std::vector<double> values;
+  values.reserve(static_cast<size_t>(count));
   for (int i = 0; i < count; ++i)
     values.push_back(low * std::pow(high / low, i / std::max(count - 1.0, 1.0)));
   return values;
