@@ -55,10 +55,15 @@ struct ImageTest {
 
 /// Student's t over `batches` >= 2 independent seeds of the device's image and of as many others: of the
 /// reference, or of the device with other techniques that must find the same light. Of pixels, tiles and the
-/// whole image, each channel; the false-alarm rate of all together is 1e-4. A systematic difference of the
-/// relative size `tolerance` is not counted. See image::test_equal.
+/// whole image, each channel; the false-alarm rate of all together is 1e-4. Alarms are settled on fresh seeds
+/// with more samples. A systematic difference of the relative size `tolerance` is not counted. See
+/// image::test_equal and image::settle.
 std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subject, uint32_t batches,
                                         std::optional<uint32_t> other_techniques, double tolerance);
+
+/// With fewer batches a pixel raises no alarm in check_statistics() unless it differs by more than a hundred
+/// standard errors, which is to say never.
+uint32_t fewest_batches(const render::Plan& plan);
 
 /// One camera path in full from both backends: vertices, bsdfs, pdfs, and every path that ends on it with the
 /// weights of all techniques. `recording` holds the path in slot 0.

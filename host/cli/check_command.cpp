@@ -74,6 +74,7 @@ bool check_images(gpu::Device& device, const check::Subject& subject, const Chec
     say("{}\n", test.line);
     is_passed = test.is_passed && is_passed;
   }
+  say("verdict: {}\n", is_passed ? "agree" : "DIFFER");
   return is_passed;
 }
 
@@ -96,6 +97,12 @@ void run_check(CLI::App& command, CheckOptions& options) {
   settings = session::one_regularization(prepared, settings);
   const render::Plan plan = make_plan(prepared, settings);
   for (const std::string& warning : plan.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
+  if (options.statistics > 0 && options.statistics < check::fewest_batches(plan))
+    throw Error(
+        ErrorCode::BadUsage,
+        fmt::format(
+            "--statistics {}: of so few seeds no pixel's difference can be told from noise; give {} or more",
+            options.statistics, check::fewest_batches(plan)));
   gpu::Device device({.select = options.render.device,
                       .software_stage_times = false,
                       .memory_bytes = options.render.memory_bytes});

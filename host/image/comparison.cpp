@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace regulus::image {
 
@@ -34,6 +35,12 @@ Estimate estimate(const std::vector<Image>& batches, uint32_t x, uint32_t y, uin
   return result;
 }
 
+/// Of a difference, less what is tolerated, with this standard error.
+double p_value(double excess, double error, int degrees_of_freedom) {
+  if (!(excess > 0)) return 1;
+  return error == 0 ? 0 : student_two_sided(excess / error, degrees_of_freedom);
+}
+
 // Calls difference(x, y, channel) -> {difference, squared error, magnitude} for every tile and keeps the
 // worst.
 struct Difference {
@@ -44,16 +51,18 @@ template <typename Function>
 TileTest test_tiles(uint32_t width, uint32_t height, int degrees_of_freedom, const ComparisonOptions& options,
                     const Function& difference) {
   TileTest result;
+  const auto tiles_over = [&](uint32_t pixels) { return (pixels + options.tile - 1) / options.tile; };
+  const auto tests = static_cast<int>(3 * tiles_over(width) * tiles_over(height));
+  const double bound = significance_per_test(options.false_alarm_rate, tests);
   for (uint32_t y = 0; y * options.tile < height; ++y)
     for (uint32_t x = 0; x * options.tile < width; ++x)
       for (uint32_t channel = 0; channel < 3; ++channel) {
         const Difference d = difference(x, y, channel);
         const double excess = std::max(0.0, std::abs(d.value) - options.relative_tolerance * d.magnitude);
         const double error = std::sqrt(d.squared_error);
-        const double p = excess == 0  ? 1
-                         : error == 0 ? 0
-                                      : student_two_sided(excess / error, degrees_of_freedom);
+        const double p = p_value(excess, error, degrees_of_freedom);
         ++result.tests;
+        if (p < bound) result.alarms.push_back({options.tile, x, y, channel, d.value});
         if (p <= result.worst_p) {
           result.worst_p = p;
           result.worst_difference = d.value;
@@ -61,7 +70,7 @@ TileTest test_tiles(uint32_t width, uint32_t height, int degrees_of_freedom, con
           result.worst_x = x, result.worst_y = y, result.worst_channel = channel;
         }
       }
-  result.bound = significance_per_test(options.false_alarm_rate, result.tests);
+  result.bound = bound;
   return result;
 }
 
@@ -104,6 +113,55 @@ TileTest test_equal(const std::vector<Image>& first, const std::vector<Image>& s
                       const Estimate b = estimate(second, x, y, options.tile, channel);
                       return Difference{a.mean - b.mean, a.squared_error + b.squared_error, std::abs(b.mean)};
                     });
+}
+
+namespace {
+
+enum class Finding { Confirmed, Withdrawn, Open };
+
+Finding finding(const Alarm& alarm, const std::vector<Image>& first, const std::vector<Image>& second,
+                double level, double relative_tolerance) {
+  const Estimate a = estimate(first, alarm.x, alarm.y, alarm.tile, alarm.channel);
+  const Estimate b = estimate(second, alarm.x, alarm.y, alarm.tile, alarm.channel);
+  const double error = std::sqrt(a.squared_error + b.squared_error);
+  const double towards = (a.mean - b.mean) * (alarm.difference < 0 ? -1 : 1);
+  const int degrees_of_freedom = static_cast<int>(first.size()) - 1;
+  if (p_value(towards - relative_tolerance * std::abs(b.mean), error, degrees_of_freedom) < level)
+    return Finding::Confirmed;
+  const double missing = 0.5 * std::abs(alarm.difference) - towards;
+  return p_value(missing, error, degrees_of_freedom) < level ? Finding::Withdrawn : Finding::Open;
+}
+
+}  // namespace
+
+Settled settle(std::vector<Alarm> alarms, const FreshBatches& fresh, const ComparisonOptions& options) {
+  constexpr uint32_t ROUNDS = 3;
+  const double level =
+      significance_per_test(options.false_alarm_rate, static_cast<int>(ROUNDS * alarms.size()));
+  Settled settled;
+  settled.open = std::move(alarms);
+  for (uint32_t round = 0; round < ROUNDS && !settled.open.empty(); ++round) {
+    settled.times *= 4;
+    const auto [first, second] = fresh(settled.times);
+    for (const Alarm& alarm : std::exchange(settled.open, {})) {
+      const Finding found = finding(alarm, first, second, level, options.relative_tolerance);
+      (found == Finding::Confirmed   ? settled.confirmed
+       : found == Finding::Withdrawn ? settled.withdrawn
+                                     : settled.open)
+          .push_back(alarm);
+    }
+  }
+  return settled;
+}
+
+double standard_errors_of_alarm(int batches, int tests, double false_alarm_rate) {
+  const double bound = significance_per_test(false_alarm_rate, tests);
+  double low = 0, high = 1e9;
+  for (int i = 0; i < 80; ++i) {
+    const double middle = 0.5 * (low + high);
+    (student_two_sided(middle, batches - 1) >= bound ? low : high) = middle;
+  }
+  return high;
 }
 
 }  // namespace regulus::image

@@ -96,6 +96,8 @@ TEST_F(Usage, NotANumberIsNoValue) {
   for (const char* option : {"--tau", "--clamp"})
     for (const char* value : {"-inf", "0", "-1", "1e-60"}) expect_error(render({option, value}), 2, {option});
   expect_error(run({"check", gltf(), "--tolerance", "nan"}), 2, {"--tolerance"});
+  // Of three seeds a pixel of 96x64 would have to differ by ten thousand standard errors.
+  expect_error(run({"check", gltf(), "--statistics", "3"}), 2, {"--statistics 3", "or more"});
   expect_error(run({"bench", "error", "--scenes", gltf(), "--time", "nan"}), 2, {"--time"});
   expect_nothing_written();
   scene_.set_setting("tau", "nan");

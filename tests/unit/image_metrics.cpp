@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numbers>
 #include <sstream>
 #include <tuple>
+#include <utility>
 
 #include "image/comparison.hpp"
 #include "image_files.hpp"
@@ -114,6 +116,57 @@ TEST(Comparison, RaisesFalseAlarmsAtItsRateAndSeesADifference) {
   EXPECT_LE(alarms, 0.05 * REPETITIONS + 4 * 4.4);
   options.tile = 6;
   EXPECT_FALSE(image::test_equal(batches(0), batches(0.55), options).is_passed());
+}
+
+/// What settles the alarms of two sets of 9 batches of a pixel, drawn with more samples each by `first` and
+/// `second`.
+template <typename First, typename Second>
+image::Settled settled(const image::Alarm& alarm, const First& first, const Second& second) {
+  const auto batches_of = [](const auto& draw, uint32_t samples) {
+    std::vector<image::Image> images;
+    for (int i = 0; i < 9; ++i)
+      images.push_back(make_image(1, 1, [&](size_t) {
+        double sum = 0;
+        for (uint32_t k = 0; k < samples; ++k) sum += draw() / samples;
+        return static_cast<float>(sum);
+      }));
+    return images;
+  };
+  return image::settle({alarm},
+                       [&](uint32_t times) {
+                         return std::pair(batches_of(first, 16 * times), batches_of(second, 16 * times));
+                       },
+                       {});
+}
+
+// Rare bright values: batches without any beside batches with one differ by chance, and look sure of it. A
+// bias of the size of the same alarm stays.
+TEST(Comparison, MoreSamplesConfirmABiasAndWithdrawAFluke) {
+  Random random(7);
+  const auto rare = [&] { return random.uniform() < 1.0 / 256 ? 256.0 : random.uniform(); };
+  int withdrawn = 0;
+  for (int i = 0; i < 20; ++i) {
+    const image::Settled fluke = settled({1, 0, 0, 0, 16}, rare, rare);
+    EXPECT_TRUE(fluke.confirmed.empty());
+    withdrawn += static_cast<int>(fluke.withdrawn.size());
+    EXPECT_EQ(settled(
+                  {1, 0, 0, 0, 16}, [&] { return rare() + 16; }, rare)
+                  .confirmed.size(),
+              1);
+    // To the other side it is another finding than the one that is to be settled.
+    EXPECT_TRUE(settled(
+                    {1, 0, 0, 0, -16}, [&] { return rare() + 16; }, rare)
+                    .confirmed.empty());
+  }
+  std::printf("%d of 20 flukes withdrawn\n", withdrawn);
+  EXPECT_EQ(withdrawn, 20);
+}
+
+// 0.9999 quantiles by the table: of one degree of freedom 1 / tan(pi p / 2), of two sqrt(2 / (p (2 - p)) -
+// 2).
+TEST(Comparison, FewBatchesRaiseNoAlarm) {
+  EXPECT_NEAR(image::standard_errors_of_alarm(2, 1, 1e-4) / (2 / (std::numbers::pi * 1e-4)), 1, 1e-6);
+  EXPECT_NEAR(image::standard_errors_of_alarm(3, 1, 1e-4), std::sqrt(2 / (1e-4 * (2 - 1e-4)) - 2), 1e-4);
 }
 
 TEST(Metrics, AgreeWithOpenImageIo) {
