@@ -501,6 +501,25 @@ BsdfSample Bsdf::sample_facets(const dvec3& wo, double u_choice, const dvec2& u,
   return result;
 }
 
+BsdfSample Bsdf::sample_coat_facets(const dvec3& wo, double u_choice, const dvec2& u,
+                                    TransportMode mode) const {
+  const dvec3 up_o = to_coat(wo, wo.z < 0);
+  if (!(coat_towards(wo) > 0 && up_o.z > 0)) return {};
+  BsdfSample result = sample_coat(wo, u_choice, u);
+  if (!result.is_valid) return {};
+  if (result.is_delta) {
+    result.pdf_forward = 1;
+    result.weight =
+        dvec3(coat_reflectance(wo) * (mode == TransportMode::Radiance ? 1 : std::abs(result.wi.z / wo.z)));
+    return result;
+  }
+  const dvec3 h = reflection_half_vector(up_o, to_coat(result.wi, wo.z < 0));
+  result.pdf_forward = visible_normal_pdf(coat_, up_o, h) / (4 * dot(up_o, h));
+  const dvec3 coat = value(wo, result.wi, mode) - with_coat_alpha(dvec2(0)).value(wo, result.wi, mode);
+  result.weight = coat * std::abs(result.wi.z) / result.pdf_forward;
+  return result;
+}
+
 BsdfSample Bsdf::sample_base(const dvec3& wo_material, double u_lobe, const dvec2& u,
                              TransportMode mode) const {
   if (wo_material.z == 0) return {};

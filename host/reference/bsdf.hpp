@@ -88,6 +88,10 @@ class Bsdf {
   BsdfSample sample_facets(const glm::dvec3& wo, double u_choice, const glm::dvec2& u,
                            TransportMode mode) const;
 
+  /// The same by the clearcoat's lobe alone.
+  BsdfSample sample_coat_facets(const glm::dvec3& wo, double u_choice, const glm::dvec2& u,
+                                TransportMode mode) const;
+
   /// Probability of the diffuse lobe seen from wo.
   double diffuse_probability(const glm::dvec3& wo) const;
 

@@ -136,8 +136,11 @@ TechniqueSet Estimator::techniques(uint32_t sample) const {
   if (!regularization.is_on) return set;
   set.is_both = (settings_.regularization & REGULARIZATION_BOTH) != 0;
   set.quality = settings_.sampler_quality;
-  // 1 / alpha_tau^2 grows like tau where alpha_tau shrinks.
-  set.enough_quality = std::pow(regularization.tau / std::pow(regularization.alpha_scale, 2), 2);
+  // Where alpha_tau shrinks by the schedule, tau grows like the bound: like 1 / alpha_tau^2, under `smith` 1
+  // / alpha_tau^4.
+  const bool is_smith = settings_.bound == BOUND_SMITH && settings_.shadowing != SHADOWING_V_CAVITY;
+  set.enough_quality =
+      std::pow(regularization.tau / std::pow(regularization.alpha_scale, is_smith ? 4 : 2), 2);
   return set;
 }
 

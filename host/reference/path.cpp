@@ -37,27 +37,31 @@ std::optional<ConnectedScattering> raised_between(const Surface& surface, const 
                              raised->pdf_wi, true, raised->ratio};
 }
 
-/// The same with the value of a virtual merge, where facets are raised.
+/// The same with the values of virtual merges, where facets are raised.
 void measure_virtually(const Surface& surface, const Bsdf& bsdf, const dvec3& w_light,
                        const dvec3& seen_light, const dvec3& w_camera, const Regularization& regularization,
                        const VirtualTries& tries, ConnectedScattering& raised) {
   const dvec3 wo = to_material(surface, as_seen(surface, w_camera));
   const dvec3 wi = to_material(surface, seen_light);
-  if (!raises_facets(bsdf, wo, wi, regularization)) return;
-  const bool is_from_light = tries.is_from_light;
-  const SamplingFrame frame(surface, is_from_light ? w_light : w_camera);
+  const SamplingFrame frame(surface, tries.is_from_light ? w_light : w_camera);
   const Bsdf local = frame.bsdf_of(surface, bsdf);
   const dvec3 local_light = frame.to_local(seen_light);
   const dvec3 local_camera = frame.to_local(as_seen(surface, w_camera));
-  const dvec3 facets = is_from_light ? virtual_merge(local, local_light, local_camera,
-                                                     TransportMode::Importance, regularization, tries.numbers)
-                                     : virtual_merge(local, local_camera, local_light,
-                                                     TransportMode::Radiance, regularization, tries.numbers);
-  const Bsdf facets_alone =
-      bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization)).with_coat_alpha(glm::dvec2(0));
-  const dvec3 replaced = facets_alone.value(wo, wi, TransportMode::Radiance) -
-                         facets_alone.with_alpha(glm::dvec2(0)).value(wo, wi, TransportMode::Radiance);
-  raised.value = glm::max(raised.value + (facets - replaced) * normal_correction(surface, w_light), dvec3(0));
+  for (const bool is_coat : {false, true}) {
+    if (!raises_facets(bsdf, wo, wi, is_coat, regularization)) continue;
+    const std::vector<dvec3>& numbers = is_coat ? tries.of_coat : tries.of_base;
+    const dvec3 facets = tries.is_from_light
+                             ? virtual_merge(local, local_light, local_camera, is_coat,
+                                             TransportMode::Importance, regularization, numbers)
+                             : virtual_merge(local, local_camera, local_light, is_coat,
+                                             TransportMode::Radiance, regularization, numbers);
+    const Bsdf alone = raised_alone(bsdf, wo, wi, is_coat, regularization);
+    const Bsdf smooth = alone.with_alpha(glm::dvec2(0)).with_coat_alpha(glm::dvec2(0));
+    const dvec3 replaced =
+        alone.value(wo, wi, TransportMode::Radiance) - smooth.value(wo, wi, TransportMode::Radiance);
+    raised.value =
+        glm::max(raised.value + (facets - replaced) * normal_correction(surface, w_light), dvec3(0));
+  }
 }
 
 }  // namespace
@@ -177,7 +181,7 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& material
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
   result.raised = raised_between(surface, bsdf, w_light, lit.w, w_camera, nullptr, regularization);
-  if (regularization.is_virtual && result.raised && !tries.numbers.empty())
+  if (regularization.is_virtual && result.raised && !tries.of_base.empty())
     measure_virtually(surface, bsdf, w_light, lit.w, w_camera, regularization, tries, *result.raised);
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, local_camera, local_light, regularization);

@@ -101,8 +101,9 @@ double camera_bound(const Camera& camera, double longest_edge);
 
 /// Numbers of a virtual merge's tries, and the end at which its lobe is sampled.
 struct VirtualTries {
-  std::vector<glm::dvec3> numbers;
-  bool is_from_light = false;  ///< from w_light
+  std::vector<glm::dvec3> of_base;  ///< by its microfacet lobe
+  std::vector<glm::dvec3> of_coat;  ///< by the clearcoat's
+  bool is_from_light = false;       ///< from w_light
 };
 
 /// Scattering at a surface between two unit directions that point away from it; non-delta lobes. `tries` only

@@ -179,21 +179,34 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   return raised;
 }
 
-dvec3 virtual_merge(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, TransportMode mode,
+dvec3 virtual_merge(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_coat, TransportMode mode,
                     const Regularization& regularization, const std::vector<dvec3>& tries) {
   const double scale = regularization.alpha_scale;
   const double solid_angle = std::min(scale * scale / regularization.tau, 2 * pi);
   dvec3 sum(0);
   for (const dvec3& u : tries) {
-    const BsdfSample sample = bsdf.sample_facets(wo, u.x, {u.y, u.z}, mode);
+    const BsdfSample sample = is_coat ? bsdf.sample_coat_facets(wo, u.x, {u.y, u.z}, mode)
+                                      : bsdf.sample_facets(wo, u.x, {u.y, u.z}, mode);
     if (sample.is_valid && 1 - dot(sample.wi, wi) <= solid_angle / (2 * pi)) sum += sample.weight;
   }
   return sum / (static_cast<double>(tries.size()) * solid_angle * std::abs(wi.z));
 }
 
-bool raises_facets(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Regularization& regularization) {
-  return regularization.is_on &&
-         glm::any(glm::greaterThan(raised_alpha(bsdf, wo, wi, regularization), bsdf.parameters().alpha));
+Bsdf raised_alone(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_coat,
+                  const Regularization& regularization) {
+  const Bsdf smooth = without_facets(bsdf);
+  return is_coat ? smooth.with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, regularization))
+                 : smooth.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
+}
+
+bool raises_facets(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_coat,
+                   const Regularization& regularization) {
+  if (!regularization.is_on) return false;
+  if (!is_coat)
+    return glm::any(glm::greaterThan(raised_alpha(bsdf, wo, wi, regularization), bsdf.parameters().alpha));
+  return bsdf.coat_towards(wo) > 0 && wo.z * wi.z > 0 &&
+         glm::any(
+             glm::greaterThan(raised_coat_alpha(bsdf, wo, wi, regularization), bsdf.parameters().coat_alpha));
 }
 
 double estimator_bound(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,

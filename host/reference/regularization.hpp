@@ -45,15 +45,22 @@ glm::dvec2 raised_alpha(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                                       const BsdfSample* delta, const Regularization& regularization);
 
-/// What a virtual merge measures in place of the microfacet lobe's value (Kaplanyan and Dachsbacher 2013;
-/// docs/mathematics.md 7): the mean of value |cos_i| over a cone around wi, over |cos_i| at wi, by tries of
-/// the lobe's own sampler at wo, each with a number in [0, 1) for its event and two for its direction. The
-/// cone has the solid angle 1 / tau, times alpha_scale^2.
-glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode,
-                         const Regularization& regularization, const std::vector<glm::dvec3>& tries);
+/// What a virtual merge measures in place of the value of the base's microfacet lobe, or with `is_coat` of
+/// the clearcoat's (Kaplanyan and Dachsbacher 2013; docs/mathematics.md 7): the mean of value |cos_i| over a
+/// cone around wi, over |cos_i| at wi, by tries of the lobe's own sampler at wo, each with a number in [0, 1)
+/// for its event and two for its direction. The cone has the solid angle 1 / tau, times alpha_scale^2.
+glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, bool is_coat,
+                         TransportMode mode, const Regularization& regularization,
+                         const std::vector<glm::dvec3>& tries);
 
-/// True if regularization raises the alpha of the base's lobe between two directions.
-bool raises_facets(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
+/// The bsdf with only the base's microfacet lobe beside the diffuse one, or with `is_coat` only the
+/// clearcoat's; with the alpha that regularization raises it to between two directions.
+Bsdf raised_alone(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, bool is_coat,
+                  const Regularization& regularization);
+
+/// True if regularization raises the alpha of the base's lobe, or with `is_coat` the clearcoat's, between two
+/// directions.
+bool raises_facets(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, bool is_coat,
                    const Regularization& regularization);
 
 /// rho-bar (docs/mathematics.md 2.1 with Gbar = 1, and 2.5): peak of the lobe that scatters wo to wi, with

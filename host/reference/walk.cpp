@@ -238,12 +238,14 @@ VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edg
                                    base[2] + (light_path & PATH_VERTEX_STREAM_MASK));
   VirtualTries tries;
   tries.is_from_light = end == VIRTUAL_MERGE_AT_LIGHT;
-  for (uint32_t i = 0; i < VIRTUAL_MERGE_TRIES; ++i) {
+  for (uint32_t i = 0; i < 2 * VIRTUAL_MERGE_TRIES; ++i) {
     const RandomBits bits = hash_bits(key[3] + i, key[0] + i, key[1] + i, key[2] + i);
-    const auto event = (static_cast<float>(unit_interval(bits[0])) + static_cast<float>(i)) /
-                       static_cast<float>(VIRTUAL_MERGE_TRIES);
-    tries.numbers.emplace_back(std::min(double{event}, 1 - UNIT_ROUNDOFF), unit_interval(bits[1]),
-                               unit_interval(bits[2]));
+    const auto event =
+        (static_cast<float>(unit_interval(bits[0])) + static_cast<float>(i % VIRTUAL_MERGE_TRIES)) /
+        static_cast<float>(VIRTUAL_MERGE_TRIES);
+    std::vector<glm::dvec3>& numbers = i < VIRTUAL_MERGE_TRIES ? tries.of_base : tries.of_coat;
+    numbers.emplace_back(std::min(double{event}, 1 - UNIT_ROUNDOFF), unit_interval(bits[1]),
+                         unit_interval(bits[2]));
   }
   return tries;
 }

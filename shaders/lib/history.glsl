@@ -63,7 +63,10 @@ const float SMOOTH_WIDTH = 2.0;
 float regularized_share(Regularization regularization, float worst, float length_of_path) {
   if (spec_sampler_quality == SAMPLER_QUALITY_OFF) return 1.0;
   float quality = min(worst * square(length_of_path), NO_BOUND);
-  float threshold = square(regularization.full_tau / square(regularization.full_scale));
+  // What is scheduled is alpha_tau: the tau that it belongs to grows by the power of alpha in the bound.
+  float shrunk = square(regularization.full_scale);
+  if (spec_bound == BOUND_SMITH && spec_shadowing != SHADOWING_V_CAVITY) shrunk = square(shrunk);
+  float threshold = square(regularization.full_tau / shrunk);
   if (spec_sampler_quality == SAMPLER_QUALITY_ON) return quality < threshold ? 0.0 : 1.0;
   float excess = log_accurate(max(quality, 1e-30)) - log_accurate(min(threshold, NO_BOUND));
   return smoothstep(-SMOOTH_WIDTH, SMOOTH_WIDTH, excess);

@@ -118,6 +118,11 @@ vec2 regularized_alpha(Bsdf bsdf, Encounter facet, Regularization regularization
   return max(bsdf.alpha, vec2(min(alpha_tau * regularization.alpha_scale, largest_alpha())));
 }
 
+vec2 regularized_coat_alpha(Bsdf bsdf, Encounter facet, Regularization regularization) {
+  float alpha_tau = reflection_alpha(regularization.tau, facet.o_dot_h) * regularization.alpha_scale;
+  return max(bsdf.coat_alpha, vec2(min(alpha_tau, largest_alpha())));
+}
+
 // The clearcoat's lobe, raised by a bound of its own (docs/mathematics.md 2.5): value, and value as the weights use it.
 struct RaisedCoat {
   float value;
@@ -127,8 +132,7 @@ struct RaisedCoat {
 RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   if (facet.is_transmitted || !(bsdf.coat > 0.0)) return RaisedCoat(0.0, 0.0);
   if (bsdf_has_coat_normal() && !(lobes.coat_weight > 0.0)) return RaisedCoat(0.0, 0.0);  // not seen by its normal
-  float alpha_tau = reflection_alpha(regularization.tau, facet.o_dot_h) * regularization.alpha_scale;
-  vec2 alpha = max(bsdf.coat_alpha, vec2(min(alpha_tau, largest_alpha())));
+  vec2 alpha = regularized_coat_alpha(bsdf, facet, regularization);
   if (!(alpha.x > 0.0)) return RaisedCoat(0.0, 0.0);
   MicrofacetTerms raised = coat_microfacet_terms(bsdf, wo, wi, facet, max(alpha, vec2(MIN_ALPHA)));
   float density = min(0.25 * raised.density, MAX_DENSITY);
@@ -248,23 +252,41 @@ uvec4 virtual_merge_seed(uint seed, uint stream, uint iteration, uint end, uvec3
 }
 
 // Virtual merge (Kaplanyan and Dachsbacher 2013 for delta lobes, Jendersie and Grosch 2019 for all): the share of what the
-// microfacet lobe scatters that falls into a cone of solid angle 1 / tau around wi, over that solid angle and cos_i.
-vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regularization regularization, uvec4 seed) {
+// microfacet lobe, or with is_coat the clearcoat's, scatters that falls into a cone of solid angle 1 / tau around wi, over
+// that solid angle and cos_i.
+vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, bool is_coat, uint transport, Regularization regularization, uvec4 seed) {
   float solid_angle = min(square(regularization.alpha_scale) / regularization.tau, 2.0 * PI);
   vec3 sum = vec3(0.0);
   for (uint i = 0u; i < VIRTUAL_MERGE_TRIES; ++i) {
-    vec4 u = unit_interval(pcg4d(seed + i));
+    vec4 u = unit_interval(pcg4d(seed + i + (is_coat ? VIRTUAL_MERGE_TRIES : 0u)));
     float u_choice = min((u.x + float(i)) / float(VIRTUAL_MERGE_TRIES), ONE_MINUS_ULP);
-    FacetEvent event = sample_facet_event(bsdf, wo, false, u_choice, u.yz);
+    FacetEvent event = sample_facet_event(bsdf, wo, is_coat, u_choice, u.yz);
     // Between unit vectors 2 (1 - cos) is the chord's square, which keeps its digits for narrow cones.
     vec3 chord = event.wi - wi;
     if (!event.facet.is_valid || dot(chord, chord) > solid_angle * INV_PI) continue;
     Lobes lobes = bsdf_lobes(bsdf, wo, event.wi, event.facet, transport);
     // The density cancels from value over pdf.
-    sum += lobes.weight * (lobes.terms.shadowing * lobes.value_scale * abs(event.wi.z) /
-                           max(event.probability * lobes.terms.visibility_o, 1e-30));
+    if (bsdf_has_coat() && is_coat)
+      sum += lobes.coat_weight * lobes.coat_terms.shadowing * abs(event.wi.z) / max(lobes.coat_terms.visibility_o, 1e-30);
+    else
+      sum += lobes.weight * (lobes.terms.shadowing * lobes.value_scale * abs(event.wi.z) /
+                             max(event.probability * lobes.terms.visibility_o, 1e-30));
   }
   return sum / (float(VIRTUAL_MERGE_TRIES) * solid_angle * max(abs(wi.z), MIN_COS));
+}
+
+// Value of all lobes where those that are raised measure by virtual merges.
+vec3 virtual_value(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, uint transport, Regularization regularization,
+                   uvec4 seed) {
+  vec3 value = lobes.diffuse;
+  if (any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha)))
+    value += virtual_merge(bsdf, wo, wi, false, transport, regularization, seed);
+  else
+    value += lobes.weight * (lobes.density * lobes.terms.shadowing * lobes.value_scale);
+  if (!bsdf_has_coat() || facet.is_transmitted) return value;
+  if (any(greaterThan(regularized_coat_alpha(bsdf, facet, regularization), bsdf.coat_alpha)))
+    return value + virtual_merge(bsdf, wo, wi, true, transport, regularization, seed);
+  return value + lobes.coat_weight * lobes.coat_density * lobes.coat_terms.shadowing;
 }
 
 // A bsdf at the directions of a connection or merge.
@@ -295,11 +317,8 @@ ConnectionEval bsdf_connect(Bsdf bsdf, vec3 wo, vec3 wi, uint transport, Regular
   RegularizedLobes raised = regularize(bsdf, lobes, wo, wi, facet, false, false, regularization);
   result.ratio = raised.ratio;
   result.eval.value = raised.value;
-  if (is_virtual_merge() && regularization.alpha_scale > 0.0 &&
-      any(greaterThan(regularized_alpha(bsdf, facet, regularization), bsdf.alpha))) {
-    result.eval.value = lobes.diffuse + virtual_merge(bsdf, wo, wi, transport, regularization, seed);
-    if (bsdf_has_coat()) result.eval.value += raise_coat(bsdf, lobes, wo, wi, facet, regularization).value;
-  }
+  if (is_virtual_merge() && regularization.alpha_scale > 0.0)
+    result.eval.value = virtual_value(bsdf, lobes, wo, wi, facet, transport, regularization, seed);
   if (spec_mis != MIS_UNMODIFIED) {
     result.eval.pdf_forward = raised.pdf_forward;
     result.eval.pdf_reverse = raised.pdf_reverse;

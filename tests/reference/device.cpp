@@ -412,6 +412,7 @@ TEST(DeviceConnections, RegularizedBehindWhatDiffusesAgreeWithTheReference) {
   render::RenderSettings settings = CheckedConnections::settings(ON | REGULARIZATION_DIFFUSION, 0.6F);
   settings.merge_radius = 0.06F;
   settings.bound = BOUND_SMITH;
+  settings.sampler_quality = SAMPLER_QUALITY_SMOOTH;
   settings.filter = FILTER_GAUSSIAN;
   settings.filter_radius = 1.5F;
   expect_agreement(prepare(own_scenes() / "cornell/cornell.gltf"), settings);
@@ -450,6 +451,13 @@ TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
   settings.filter_radius = 1.5F;
   settings.bound = BOUND_DIRECTIONAL;
   expect_agreement(prepare(own_scenes() / "cornell/cornell.gltf"), settings);
+}
+
+// Clearcoats, smooth and rough, measure by cones of their own.
+TEST(DeviceConnections, CoatsRegularizedVirtuallyAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  expect_agreement(prepare(coats_scene()), CheckedConnections::settings(ON | REGULARIZATION_VIRTUAL_MERGE, 0.6F));
 }
 
 // Rough lobes under rough coats, with energy compensation: raised to the utmost, and hardly at all.
