@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "check/check.hpp"
+#include "check/item_class.hpp"
 #include "check/sampled_light.hpp"
 #include "check/sorting.hpp"
 #include "reference/estimator.hpp"
@@ -86,8 +87,12 @@ class ConnectionChecker {
         settings_(subject.reference_settings),
         owner_(light_paths_of(recording)) {
     settings_.expected_light_vertices = recording.expected_vertices;
+    if (recording.connections == render::Connections::Paired) settings_.cache_connections = 0;
     estimator_ = std::make_unique<reference::Estimator>(subject_.world, subject_.camera, settings_);
     set_ = estimator_->techniques(sample);
+    own_vertices_.resize(recording.heads.size());
+    for (uint32_t vertex = 0; vertex < owner_.size(); ++vertex)
+      if (owner_[vertex] != INVALID_INDEX) own_vertices_[owner_[vertex]].push_back(vertex);
     gather_walks();
     iterations_.push_back(walk(0));
   }
@@ -126,6 +131,9 @@ class ConnectionChecker {
 
   /// The light vertex of a number, by the device's own lists; INVALID_INDEX if these are broken.
   uint32_t numbered(uint32_t number) const;
+
+  /// Those that connections to the cache draw for a camera vertex.
+  std::vector<uint32_t> drawn_vertices(uint32_t pixel, uint32_t bounce) const;
 
   void check_pairs(const RecordedConnections& bounce, uint32_t index, Tally& tally) const;
 
@@ -221,6 +229,9 @@ class ConnectionChecker {
   /// How far rounding moves what the reference finds: the value relative to itself, and the weight.
   std::pair<double, double> spread(const Item& item, const Expected& exact, double floor);
 
+  /// Lobes at its ends, the medium before them and the kind of its light.
+  std::string class_of(const Item& item) const;
+
   Tally judge(const char* name, const std::vector<Item>& items, Tally& weights);
 
   /// Resolution of the film.
@@ -247,8 +258,10 @@ class ConnectionChecker {
           item.found.z, wanted.value().x, wanted.value().y, wanted.value().z, weight, wanted.weight,
           CONDITIONING * excused.second);
     };
-    if (!tally.add_error(error, CONDITIONING * excused.first)) tally.describe(words());
-    if (has_weight && !weights.add_error(weight_error, CONDITIONING * excused.second))
+    const std::string of_class = class_of(item);
+    if (!tally.add_error(error, CONDITIONING * excused.first, of_class)) tally.describe(words());
+    if (has_weight && !weights.add_error(weight_error, CONDITIONING * excused.second,
+                                         fmt::format("{}, {}", name, of_class)))
       weights.describe(words());
   }
 
@@ -256,7 +269,8 @@ class ConnectionChecker {
   uint32_t sample_;
   const ConnectionRecording& recording_;
   reference::Settings settings_;
-  std::vector<uint32_t> owner_;  // light path of each light vertex
+  std::vector<uint32_t> owner_;                      // light path of each light vertex
+  std::vector<std::vector<uint32_t>> own_vertices_;  // and the light vertices of each path
   std::unique_ptr<reference::Estimator> estimator_;
   reference::TechniqueSet set_;
   std::vector<std::vector<reference::GivenHit>> camera_hits_, light_hits_;  // by pixel, by light path

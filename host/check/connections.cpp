@@ -97,18 +97,26 @@ uint32_t ConnectionChecker::numbered(uint32_t number) const {
   return vertex < recording_.light_vertices.size() ? vertex : INVALID_INDEX;
 }
 
+std::vector<uint32_t> ConnectionChecker::drawn_vertices(uint32_t pixel, uint32_t bounce) const {
+  const auto cached = static_cast<uint32_t>(recording_.light_vertices.size());
+  std::vector<uint32_t> drawn;
+  for (uint32_t k = 0; cached > 0 && k < settings_.cache_connections; ++k) {
+    const uint32_t block = DIMENSION_BLOCK_CACHE + bounce * 256 + k / 4;
+    const double u = random_block(settings_, pixel, sample_, block)[static_cast<int>(k % 4)];
+    const auto number = static_cast<uint32_t>(static_cast<float>(u) * static_cast<float>(cached));
+    const uint32_t vertex = numbered(std::min(number, cached - 1));
+    if (vertex != INVALID_INDEX) drawn.push_back(vertex);
+  }
+  return drawn;
+}
+
 void ConnectionChecker::check_pairs(const RecordedConnections& bounce, uint32_t index, Tally& tally) const {
   std::vector<std::vector<uint32_t>> found(bounce.camera_vertices.size()), wanted(found.size());
   for (const ConnectionPair& pair : bounce.pairs) found[pair.slot].push_back(pair.vertex);
-  const auto cached = static_cast<uint32_t>(recording_.light_vertices.size());
   for (const uint32_t slot : bounce.slots) {
     if (bounce.camera_vertices[slot].edges == 0 || !is_same_walk(bounce, slot, index)) continue;
-    for (uint32_t k = 0; cached > 0 && k < settings_.cache_connections; ++k) {
-      const uint32_t block = DIMENSION_BLOCK_CACHE + index * 256 + k / 4;
-      const double u = random_block(settings_, slot, sample_, block)[static_cast<int>(k % 4)];
-      const auto number = static_cast<uint32_t>(static_cast<float>(u) * static_cast<float>(cached));
-      const uint32_t vertex = numbered(std::min(number, cached - 1));
-      if (vertex == INVALID_INDEX) continue;
+    for (const uint32_t vertex :
+         settings_.cache_connections == 0 ? own_vertices_[slot] : drawn_vertices(slot, index)) {
       const uint32_t edges = recording_.light_vertices[vertex].edges & PATH_VERTEX_EDGES;
       if (index + 1 + edges + 1 <= settings_.max_depth) wanted[slot].push_back(vertex);
     }
@@ -195,7 +203,8 @@ std::optional<Expected> ConnectionChecker::expected(const Iteration& iteration, 
     const reference::LightSubpath& light = subpaths[item.light_path];
     if (item.light_edges > light.vertices.size()) return std::nullopt;
     sampled = connect_vertices(subject_.world, light, item.light_edges, camera, item.camera_edges);
-    scale = static_cast<double>(recording_.light_vertices.size()) / recording_.expected_vertices;
+    if (settings_.cache_connections != 0)
+      scale = static_cast<double>(recording_.light_vertices.size()) / recording_.expected_vertices;
   }
   if (!sampled) return std::nullopt;
   Expected result = by_definition(*sampled);
@@ -230,6 +239,25 @@ std::pair<double, double> ConnectionChecker::spread(const Item& item, const Expe
                                         exact.weight * relative(other.unweighted, exact.unweighted, 0));
   }
   return {of_value, of_weight};
+}
+
+std::string ConnectionChecker::class_of(const Item& item) const {
+  const Iteration& iteration = iterations_.front();
+  const auto at = [](const auto& walk, size_t edges) {
+    return edges >= 1 && edges <= walk.vertices.size() ? vertex_class(walk.vertices[edges - 1]) : "end";
+  };
+  const auto& lights = subject_.prepared.scene.lights;
+  if (item.technique == TECHNIQUE_SPLAT || item.technique == TECHNIQUE_CONNECT) {
+    const reference::LightSubpath& light = iteration.light.subpaths()[item.light_path];
+    const std::string text = at(light, item.light_edges) + ", " + light_class(light.point.kind);
+    return item.technique == TECHNIQUE_SPLAT
+               ? text
+               : at(iteration.camera[item.pixel], item.camera_edges) + ", " + text;
+  }
+  const reference::CameraSubpath& camera = iteration.camera[item.pixel];
+  if (item.technique == TECHNIQUE_HIT) return at(camera, item.camera_edges - 1);
+  const std::string text = at(camera, item.camera_edges);
+  return item.light == INVALID_INDEX ? text : text + ", " + light_class(lights[item.light].kind);
 }
 
 Tally ConnectionChecker::judge(const char* name, const std::vector<Item>& items, Tally& weights) {

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "check/check.hpp"
+#include "check/item_class.hpp"
 #include "reference/lights.hpp"
 #include "scene/placement.hpp"
 
@@ -335,14 +336,19 @@ class StageChecker {
   void compare_step(const Path& path, const reference::Place& place, const Hit& hit, uint32_t index,
                     bool is_alive, const Path& after, uint32_t slot, Tally& tally) const {
     const std::optional<Step> expected = step(path, place, hit, index, -1);
+    const auto of_class = [&] {
+      const reference::Surface surface = subject_.world.surface_at(hit.triangle, dvec2(hit.u, hit.v));
+      return lobes_of(subject_.world.bsdf_at(surface, place.around)) +
+             (path.medium == INVALID_INDEX ? "" : " in a medium");
+    };
     if (!is_alive && !expected) {
-      tally.add_error(0);
+      tally.add_error(0, 0, of_class());
       return;
     }
     const Step found{dvec3(after.origin), dvec3(after.direction), dvec3(after.throughput), after.medium};
     const double error = is_alive && expected ? error_between(*expected, found) : HUGE_VAL;
     if (error <= STEP_BOUND) {
-      tally.add_error(error);
+      tally.add_error(error, 0, of_class());
       return;
     }
     // Conditioning: how far the reference moves, and whether it can come to the same kind of result.
@@ -357,9 +363,9 @@ class StageChecker {
     }
     const bool is_same_kind = std::isfinite(error) && dot(expected->direction, found.direction) > 0.99;
     if (is_same_kind) {
-      if (tally.add_error(error, 4 * spread)) return;
+      if (tally.add_error(error, 4 * spread, of_class())) return;
     } else {
-      tally.add_difference(can_agree ? Difference::Tie : Difference::Real);
+      tally.add_difference(can_agree ? Difference::Tie : Difference::Real, of_class());
       if (can_agree) return;
     }
     tally.describe(fmt::format(

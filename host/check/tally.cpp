@@ -9,18 +9,45 @@ namespace regulus::check {
 
 namespace {
 constexpr size_t MOST_DESCRIPTIONS = 3;
-}
+// Of a class, over the shares allowed of all.
+constexpr double CLASS_SHARE = 10;
+constexpr double TIES_ALLOWED = 0.01;
+// Probability with which a class whose differences come by chance is found to have too many.
+constexpr double FALSE_ALARM_RATE = 1e-6;
 
-bool Tally::add_error(double error, double excused) {
+/// Most events that a Poisson process of this mean has, but for FALSE_ALARM_RATE.
+uint64_t most_by_chance(double mean) {
+  if (mean > 100) return static_cast<uint64_t>(mean + 6 * std::sqrt(mean));
+  double term = std::exp(-mean);
+  double beyond = 1 - term;
+  uint64_t count = 0;
+  while (beyond > FALSE_ALARM_RATE) {
+    term *= mean / static_cast<double>(++count);
+    beyond -= term;
+  }
+  return count;
+}
+}  // namespace
+
+bool Tally::add_error(double error, double excused, const std::string& of_class) {
   const double own = std::isfinite(error) ? std::max(error - excused, 0.0) : HUGE_VAL;
   errors_.push_back(own);
-  if (own <= bound_) return true;
-  ++real_;
-  return false;
+  const bool is_real = own > bound_;
+  real_ += is_real ? 1 : 0;
+  if (!of_class.empty()) {
+    ClassCounts& counts = classes_[of_class];
+    ++counts.items;
+    counts.real += is_real ? 1 : 0;
+  }
+  return !is_real;
 }
 
-void Tally::add_difference(Difference difference) {
+void Tally::add_difference(Difference difference, const std::string& of_class) {
   (difference == Difference::Tie ? ties_ : difference == Difference::Edge ? edges_ : real_) += 1;
+  if (of_class.empty()) return;
+  ClassCounts& counts = classes_[of_class];
+  ++counts.items;
+  (difference == Difference::Real ? counts.real : counts.ties) += 1;
 }
 
 void Tally::describe(const std::string& text) {
@@ -33,7 +60,29 @@ void Tally::add(const Tally& more) {
   edges_ += more.edges_;
   real_ += more.real_;
   expected_ties_ += more.expected_ties_;
+  for (const auto& [name, counts] : more.classes_) {
+    ClassCounts& own = classes_[name];
+    own.items += counts.items;
+    own.real += counts.real;
+    own.ties += counts.ties;
+  }
   for (const std::string& text : more.descriptions_) describe(text);
+}
+
+std::vector<std::string> Tally::failing_classes() const {
+  std::vector<std::string> failing;
+  const auto all = static_cast<double>(std::max<uint64_t>(items(), 1));
+  for (const auto& [name, counts] : classes_) {
+    const auto items = static_cast<double>(counts.items);
+    const double ties = CLASS_SHARE * (TIES_ALLOWED + 2 * static_cast<double>(expected_ties_) / all);
+    const bool is_passed =
+        counts.real <= most_by_chance(std::min(CLASS_SHARE * allowed_share_, 1.0) * items) &&
+        counts.ties <= 1 + most_by_chance(std::min(ties, 1.0) * items);
+    if (!is_passed)
+      failing.push_back(fmt::format("class {}: of {} items {} ties, {} real", name, counts.items, counts.ties,
+                                    counts.real));
+  }
+  return failing;
 }
 
 bool Tally::is_passed() const {
@@ -41,7 +90,8 @@ bool Tally::is_passed() const {
   const auto items = static_cast<double>(this->items());
   const auto expected = static_cast<double>(expected_ties_);
   return static_cast<double>(real_) <= allowed_share_ * items &&
-         static_cast<double>(ties_ + edges_) <= 1 + 0.01 * items + 2 * expected;
+         static_cast<double>(ties_ + edges_) <= 1 + TIES_ALLOWED * items + 2 * expected &&
+         failing_classes().empty();
 }
 
 std::string Tally::header() {
@@ -57,6 +107,7 @@ std::string Tally::line() const {
   std::string text =
       fmt::format("{:<24} {:>9} {:>10.2g} {:>10.2g} {:>8.0e} {:>6} {:>6} {:>6}  {}", name_, items(), largest,
                   percentile, bound_, ties_, edges_, real_, is_passed() ? "ok" : "MISMATCH");
+  for (const std::string& words : failing_classes()) text += "\n    " + words;
   for (const std::string& description : descriptions_) text += "\n    " + description;
   return text;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -25,11 +26,12 @@ class Tally {
       : name_(std::move(name)), bound_(bound), allowed_share_(allowed_share) {}
 
   /// An item of the same kind on both sides: its error, and how much of it is the item's own conditioning.
-  /// Returns false if it counts as a real difference.
-  bool add_error(double error, double excused = 0);
+  /// Returns false if it counts as a real difference. of_class: what it has in common with others that one
+  /// fault would hit (lobe, medium, kind of light); "": it is judged among all alone.
+  bool add_error(double error, double excused = 0, const std::string& of_class = "");
 
   /// An item that differs in kind.
-  void add_difference(Difference difference);
+  void add_difference(Difference difference, const std::string& of_class = "");
 
   /// How many ties (and edges) there would be by the reference's own measure; a few are always expected.
   void expect_ties(uint64_t count) { expected_ties_ = count; }
@@ -40,6 +42,10 @@ class Tally {
   /// Adds the items of a line of the same name.
   void add(const Tally& more);
 
+  /// Classes with more differences than a class may have: ten times the share of all, since what is rare in
+  /// all may come from few classes, and what chance adds to that.
+  std::vector<std::string> failing_classes() const;
+
   uint64_t items() const { return errors_.size() + ties_ + edges_; }
   bool is_passed() const;
   const std::string& name() const { return name_; }
@@ -49,10 +55,15 @@ class Tally {
   static std::string header();
 
  private:
+  struct ClassCounts {
+    uint64_t items = 0, real = 0, ties = 0;
+  };
+
   std::string name_;
   double bound_, allowed_share_;
   std::vector<double> errors_;  // of items of the same kind, conditioning taken off
   uint64_t ties_ = 0, edges_ = 0, real_ = 0, expected_ties_ = 0;
+  std::map<std::string, ClassCounts> classes_;
   std::vector<std::string> descriptions_;
 };
 

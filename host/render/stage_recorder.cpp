@@ -25,6 +25,15 @@ std::vector<glm::dvec3> film_values(const std::vector<uint32_t>& words, int expo
   return values;
 }
 
+/// Paths that there has to be room for. Room for pairs is that of connections to the cache, and a path may
+/// have as many with its own light path as it has edges.
+uint32_t capacity_for(const Plan& plan, uint32_t paths) {
+  const uint32_t times = plan.cache_connections == 0
+                             ? 1
+                             : (plan.max_depth + plan.cache_connections - 1) / plan.cache_connections;
+  return (times * paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE;
+}
+
 }  // namespace
 
 Plan plan_recording(const PreparedScene& prepared, RenderSettings settings, uint32_t techniques) {
@@ -51,7 +60,7 @@ struct StageRecorder::Impl {
         scene(device, prepared, plan),
         buffers(device, scene,
                 scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
-                (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),
+                capacity_for(plan, paths)),
         pipeline(build_pipeline(device, plan)),
         scan(device) {}
 
@@ -303,9 +312,11 @@ Recording StageRecorder::record(Pass pass, uint32_t first_path, uint32_t sample)
   return recording;
 }
 
-ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample) {
+ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample, Connections connections) {
   Impl& impl = *impl_;
   ConnectionRecording recording;
+  recording.connections = connections;
+  impl.buffers.frame_.cache_connections = connections == Connections::Cache ? impl.plan.cache_connections : 0;
   recording.expected_vertices = impl.walk_light_paths(0, recording);
   impl.buffers.expect_light_vertices(impl.device, recording.expected_vertices);
   const uint32_t vertices = impl.walk_light_paths(sample, recording);

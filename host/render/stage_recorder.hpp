@@ -58,8 +58,13 @@ struct RecordedConnections {
   std::vector<glm::dvec3> merged;                             ///< by pixel: what `merge` added
 };
 
+/// Which light vertices a camera vertex connects to: some drawn from those of all light paths, or all of its
+/// own light path.
+enum class Connections { Cache, Paired };
+
 /// An iteration: a wave of light paths, what is made of their vertices, and a wave of camera paths.
 struct ConnectionRecording {
+  Connections connections = Connections::Cache;
   float merge_radius = 0;          ///< m
   uint32_t expected_vertices = 0;  ///< light vertices of iteration 0, with which weights reckon
   std::vector<std::vector<interface::Hit>> light_hits;  ///< by bounce and light path, as above
@@ -97,10 +102,10 @@ class StageRecorder {
   /// Pass::Light.
   Recording record(Pass pass, uint32_t first_path, uint32_t sample);
 
-  /// Records the light paths of the iteration of a sample and what their vertices are sorted into.
-  /// Preconditions: connections and merges are among the techniques, plan().cache_connections is not 0,
-  /// and there are as many paths as pixels.
-  ConnectionRecording record_light_vertices(uint32_t sample);
+  /// Records the light paths of the iteration of a sample and what their vertices are sorted into. The camera
+  /// paths will connect as `connections` says, by the same kernels. Preconditions: connections and merges are
+  /// among the techniques, plan().cache_connections is not 0, and there are as many paths as pixels.
+  ConnectionRecording record_light_vertices(uint32_t sample, Connections connections = Connections::Cache);
 
   /// Goes on with the camera paths of that iteration. Lists that are broken may crash the device's driver.
   void record_connections(uint32_t sample, ConnectionRecording& recording);

@@ -14,7 +14,13 @@ namespace {
 using namespace interface;
 using render::WALK_TECHNIQUES;
 
-constexpr uint32_t CHECKED_ITERATIONS[] = {0, 1, 1000};
+struct CheckedIteration {
+  uint32_t sample;
+  render::Connections connections;
+};
+using render::Connections;
+constexpr CheckedIteration CHECKED_ITERATIONS[] = {
+    {0, Connections::Cache}, {1, Connections::Paired}, {1, Connections::Cache}, {1000, Connections::Paired}};
 constexpr uint32_t MOST_ITERATIONS = 10'000;  // of a scene where little can be weighed
 
 /// Hands a line on and returns whether it passed.
@@ -55,8 +61,11 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
     return weights == 0 ? done == std::size(CHECKED_ITERATIONS) : done > 0 && compared() >= weights;
   };
   for (uint32_t i = 0; i < MOST_ITERATIONS && !is_enough(i); ++i) {
-    const uint32_t sample = first + (weights == 0 ? CHECKED_ITERATIONS[i] : i);
-    render::ConnectionRecording recording = recorder.record_light_vertices(sample);
+    const CheckedIteration iteration =
+        weights == 0 ? CHECKED_ITERATIONS[i]
+                     : CheckedIteration{i, i % 2 == 0 ? Connections::Cache : Connections::Paired};
+    const uint32_t sample = first + iteration.sample;
+    render::ConnectionRecording recording = recorder.record_light_vertices(sample, iteration.connections);
     add(sorting, check_sorting(same, recording));
     // Lists that are broken lead the other stages astray.
     if (!std::all_of(sorting.begin(), sorting.end(), [](const auto& tally) { return tally.is_passed(); }))

@@ -35,7 +35,7 @@ render::RenderSettings one_regularization(const PreparedScene& prepared, render:
 
 using TallySink = std::function<void(const check::Tally&)>;
 
-/// Iterations with connections to the cache, merges and splats, until `weights` weights have been compared;
+/// Iterations with connections of both kinds, merges and splats, until `weights` weights have been compared;
 /// 0: the first two and a late one, where radius and roughness have shrunk.
 /// @return whether all lines, which go to `sink`, have passed
 bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subject, uint64_t weights,

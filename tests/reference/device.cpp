@@ -298,8 +298,8 @@ class CheckedConnections {
     return result;
   }
 
-  render::ConnectionRecording record() {
-    render::ConnectionRecording recording = recorder_.record_light_vertices(SAMPLE);
+  render::ConnectionRecording record(render::Connections connections = render::Connections::Cache) {
+    render::ConnectionRecording recording = recorder_.record_light_vertices(SAMPLE, connections);
     recorder_.record_connections(SAMPLE, recording);
     return recording;
   }
@@ -392,6 +392,20 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
       is_found = is_found || (tally.name() == name && !tally.is_passed());
     EXPECT_TRUE(is_found) << "fault in " << name;
   }
+
+  // Each camera path with its own light path, and not with its neighbour's.
+  const render::ConnectionRecording paired = checked.record(render::Connections::Paired);
+  for (const Tally& tally : checked.check(paired)) {
+    if (tally.name() == "connection pairs" || tally.name() == "connect") {
+      std::printf("%s\n", tally.line().c_str());
+      EXPECT_GT(tally.items(), 100);
+    }
+    EXPECT_TRUE(tally.is_passed());
+  }
+  render::ConnectionRecording swapped = paired;
+  for (ConnectionPair& pair : swapped.bounces[0].pairs) pair.slot ^= 1;
+  for (const Tally& tally : checked.check(swapped))
+    if (tally.name() == "connection pairs") EXPECT_FALSE(tally.is_passed());
 }
 
 TEST(DeviceConnections, ThroughAThinLensAgreeWithTheReference) {
@@ -457,7 +471,8 @@ TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
 TEST(DeviceConnections, CoatsRegularizedVirtuallyAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
-  expect_agreement(prepare(coats_scene()), CheckedConnections::settings(ON | REGULARIZATION_VIRTUAL_MERGE, 0.6F));
+  expect_agreement(prepare(coats_scene()),
+                   CheckedConnections::settings(ON | REGULARIZATION_VIRTUAL_MERGE, 0.6F));
 }
 
 // Rough lobes under rough coats, with energy compensation: raised to the utmost, and hardly at all.
