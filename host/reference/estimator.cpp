@@ -221,7 +221,8 @@ void Estimator::light_sample(const LightSubpath& light, uint32_t index, uint32_t
   const TechniqueSet set = techniques(sample);
   for (size_t edges = 0; edges <= light.vertices.size() && edges + 1 <= settings_.max_depth; ++edges) {
     const dvec2 u_lens = lens_sample(settings_, index, sample, edges);
-    emit(connect_to_lens(world_, camera_, light, edges, u_lens), set, sink);
+    emit(connect_to_lens(world_, camera_, world_.medium_of_lens(settings_.camera), light, edges, u_lens), set,
+         sink);
   }
 }
 

@@ -167,8 +167,9 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
   return sampled;
 }
 
-std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, const LightSubpath& light,
-                                           size_t edges, const glm::dvec2& u_lens) {
+std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, uint32_t lens_medium,
+                                           const LightSubpath& light, size_t edges,
+                                           const glm::dvec2& u_lens) {
   if (edges == 0 && !light.point.is_triangle()) return std::nullopt;
   const Surface& surface = edges == 0 ? light.point.surface : light.vertices[edges - 1].surface;
   const std::optional<Camera::Projection> projection = lens.project(surface.position, u_lens);
@@ -200,7 +201,9 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   Edge& edge = path.edges[edges];
   edge.distance = length(projection->ray.origin - surface.position);
   edge.cos_light_end = cosine(surface, w);
-  edge.transmittance = world.transmittance(medium, edge.distance);
+  const double cut = world.has_contacts() ? projection->ray.nearest : 0;
+  edge.transmittance =
+      world.transmittance(medium, edge.distance - cut) * world.transmittance(lens_medium, cut);
   if (!world.is_visible(surface, place, projection->ray.start())) return std::nullopt;
   return sampled;
 }

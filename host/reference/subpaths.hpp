@@ -35,9 +35,9 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
                                             const CameraSubpath& camera, size_t camera_edges);
 
 /// The vertex of a light walk after `edges` edges connected to the lens point of `u_lens`; 0: the light
-/// itself, if it is a surface.
-std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, const LightSubpath& light,
-                                           size_t edges, const glm::dvec2& u_lens);
+/// itself, if it is a surface. lens_medium: material of the medium before the near plane.
+std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, uint32_t lens_medium,
+                                           const LightSubpath& light, size_t edges, const glm::dvec2& u_lens);
 
 /// Two vertices taken as one: it scatters as the camera walk's does.
 std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t light_edges,

@@ -83,9 +83,10 @@ LocalRay local_ray(const Ray& ray, const Instance* copy) {
 
 // See shaders/lib/contacts.glsl, where the same numbers are.
 constexpr double CONTACT_MIN_COS = 1.0 / 16;
-constexpr double CONTACT_EMITTER = 2.5, CONTACT_FRONT = 2, CONTACT_BACK = 1.5, CONTACT_ENTRY = 1;
+constexpr double CONTACT_EMITTER = 2, CONTACT_FRONT = 1.5, CONTACT_BACK = 1, CONTACT_ENTRY = 0.5;
 constexpr double CONTACT_TIE = 0.2;
-constexpr double CONTACT_BEHIND = 4;
+constexpr double CONTACT_BEHIND = 1;
+constexpr double CONTACT_REACH = CONTACT_EMITTER + CONTACT_TIE;
 
 double contact_error(const Ray& ray, double t) {
   const dvec3 size = glm::abs(ray.origin);
@@ -93,7 +94,7 @@ double contact_error(const Ray& ray, double t) {
 }
 
 double contact_reach(const Ray& ray, double t) {
-  return CONTACT_BEHIND / CONTACT_MIN_COS * contact_error(ray, t);
+  return CONTACT_REACH / CONTACT_MIN_COS * contact_error(ray, t);
 }
 
 /// By what hits are ordered, and how near two must be for their order to decide. Infinite: not met.
@@ -125,8 +126,13 @@ ContactKey contact_key(const Ray& ray, uint32_t tag, uint32_t number, double t, 
   if (contact.is_blind) {
     const bool counts = is_entry ? !is_inside : is_inside || !contact.holding.contain(solid);
     if (solid == contact.crossed && t < contact.from + behind) return {};
-    if (!counts || !(t > std::max(contact.from - behind, 0.0))) return {};
-    return {t};
+    // One after the other, as they lie: what was left must not count again as left without having been
+    // entered.
+    const uint32_t last = contact.around.contain(contact.crossed) ? contact.crossed : ~contact.crossed;
+    const uint32_t order = is_entry ? solid : ~solid;
+    const bool is_ahead = t > contact.from || (t == contact.from && order > last);
+    if (!counts || !is_ahead || !(t > 0)) return {};
+    return {t, 0, order};
   }
   if (is_inside == is_entry) return {};
   if (is_entry && solid == contact.left && t < behind) return {};

@@ -257,7 +257,9 @@ WalkVertex arrive(const World& world, const Surface& surface, double distance, W
   vertex.edge.distance = distance;
   vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
   vertex.edge.cos_camera_end = is_from_camera ? cos_start : cos_arrival;
-  vertex.edge.transmittance = world.transmittance(state.medium, distance);
+  vertex.edge.transmittance = world.transmittance(state.medium, distance - state.cut) *
+                              world.transmittance(state.cut_medium, state.cut);
+  state.cut = 0;
   vertex.medium = state.medium;
   vertex.around = state.place.around;
   vertex.survival = state.survival;
@@ -313,6 +315,8 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   WalkState state{subpath.ray.origin, subpath.ray.direction};
   state.place.around = world.media_of_camera(settings.camera, subpath.ray.start());
   state.medium = world.medium_of(state.place.around);
+  if (world.has_contacts()) state.cut = subpath.ray.nearest;
+  state.cut_medium = world.medium_of_lens(settings.camera);
   Footprint footprint = footprint_at_lens(camera);
   Ray ray{state.position, state.direction, subpath.ray.nearest, subpath.ray.farthest};
   Surface start_surface;

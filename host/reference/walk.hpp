@@ -95,7 +95,9 @@ struct WalkState {
   double survival = 1;
   double eta_scale = 1;  ///< product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
   uint32_t medium = interface::INVALID_INDEX;
-  Place place{};  ///< where the next ray starts; on arrival the solids there
+  Place place{};   ///< where the next ray starts; on arrival the solids there
+  double cut = 0;  ///< m of the next edge that lie before the camera's near plane
+  uint32_t cut_medium = interface::INVALID_INDEX;  ///< and what is there
 };
 
 /// The vertex where a walk in `state` arrives after `distance` metres: takes the medium's share of the

@@ -383,7 +383,7 @@ Ray World::ray_from(const Surface& surface, const dvec3& direction, bool is_beyo
     // Off what else lies in the same plane, as the device's clearance; boundaries of closed solids need none.
     const double side = dot(direction, surface.geometric_normal) < 0 ? -1 : 1;
     if (!bounds_closed_solid(surface.triangle))
-      ray.origin += side * 2 * CONTACT_ROUNDINGS * 0x1p-24 * largest * surface.geometric_normal;
+      ray.origin += side * CONTACT_CLEARANCE * 0x1p-24 * largest * surface.geometric_normal;
     return ray;
   }
   ray.t_min = SEGMENT_START * std::max(largest, std::sqrt(surface.area));
@@ -401,7 +401,7 @@ bool World::is_visible(const Surface& from, const Place& place, const dvec3& to,
   if (!has_contacts()) return !traversal_.is_occluded(ray);
   // The end is as far off its surface as the start.
   const dvec3 size = glm::abs(to);
-  ray.t_max -= 4 * CONTACT_ROUNDINGS * 0x1p-24 * std::max({size.x, size.y, size.z});
+  ray.t_max -= 2 * CONTACT_CLEARANCE * 0x1p-24 * std::max({size.x, size.y, size.z});
   Place there = place;
   return !meet(ray, there);
 }

@@ -104,6 +104,11 @@ class World {
   /// Material of the medium where several solids are; INVALID_INDEX: none.
   uint32_t medium_of(const Media& around) const;
 
+  /// Medium at the middle of a camera's lens, which reaches to its near plane.
+  uint32_t medium_of_lens(uint32_t camera) const {
+    return has_contacts() ? scene::medium_of_lens(scene_, camera) : interface::INVALID_INDEX;
+  }
+
   /// What holds a camera's ray, or a light's, that starts (to see) at `origin`.
   Media media_of_camera(uint32_t camera, const glm::dvec3& origin) const;
   Media media_of_light(uint32_t light, const glm::dvec3& origin) const;

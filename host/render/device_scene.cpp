@@ -101,7 +101,9 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)),
-      camera_media_(scene.solids.has_contacts ? scene.solids.of_camera.at(plan.camera) : 0) {
+      camera_media_(scene.solids.has_contacts ? scene.solids.of_camera.at(plan.camera) : 0),
+      lens_medium_(scene.solids.has_contacts ? medium_of_lens(scene, plan.camera)
+                                             : interface::INVALID_INDEX) {
   std::vector<interface::Texture> textures = scene.textures;
   images_ = upload_images(device, scene.images, device.info().max_allocation_bytes, textures);
   textures_ = gpu::upload_new(device, textures, "textures");
@@ -134,6 +136,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.media_sets = address(media_sets_);
   frame.light_media = address(light_media_);
   frame.camera_media = camera_media_;
+  frame.lens_medium = lens_medium_;
   frame.environment = environment_;
   frame.light_count = light_count_;
   frame.scene_center = center_;

@@ -33,6 +33,7 @@ class DeviceScene {
   glm::vec3 center_;
   float radius_;
   uint32_t camera_media_;  ///< index of a media set, or MEDIA_VARY
+  uint32_t lens_medium_;   ///< material index, or INVALID_INDEX
 };
 
 }  // namespace regulus::render

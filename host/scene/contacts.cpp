@@ -225,10 +225,20 @@ std::optional<Start> start_of_light(const SolidGeometry& geometry, const interfa
 
 }  // namespace
 
+uint32_t medium_of_lens(const Scene& scene, size_t camera) {
+  const Solids& solids = scene.solids;
+  if (camera >= solids.of_lens.size()) return INVALID_INDEX;
+  const interface::MediaSet& set = solids.media_sets[solids.of_lens[camera]];
+  const glm::uvec4 least = glm::min(set.a, set.b);
+  const uint32_t first = std::min({least.x, least.y, least.z, least.w});
+  return first == INVALID_INDEX ? INVALID_INDEX : solids.records[first].material;
+}
+
 void find_contacts(Scene& scene) {
   Solids& solids = scene.solids;
   solids.media_sets = {empty_media_set()};
   solids.of_camera.assign(scene.cameras.size(), 0);
+  solids.of_lens.assign(scene.cameras.size(), 0);
   solids.of_light.assign(scene.lights.size(), 0);
   solids.has_contacts = false;
   if (!solids.ranked.empty()) {
@@ -236,14 +246,20 @@ void find_contacts(Scene& scene) {
     solids.has_contacts = has_thin_solid(scene) || solids_are_in_contact(geometry);
     StartFinder finder(geometry, solids.media_sets);
     const Box bounds{dvec3(scene.bounds_min), dvec3(scene.bounds_max)};
-    for (size_t i = 0; i < scene.cameras.size(); ++i)
+    for (size_t i = 0; i < scene.cameras.size(); ++i) {
       solids.of_camera[i] = finder.find(start_of_camera(scene.cameras[i], bounds));
+      const dvec3 position(scene.cameras[i].camera_to_world[3]);
+      // Where that takes too long to find: in air.
+      const uint32_t set = finder.find({{position, position}, position});
+      if (set != MEDIA_VARY) solids.of_lens[i] = set;
+    }
     for (size_t i = 0; i < scene.lights.size(); ++i)
       if (const auto start = start_of_light(geometry, scene.lights[i]))
         solids.of_light[i] = finder.find(*start);
   }
   const auto is_inside = [](uint32_t set) { return set != 0; };
   solids.has_contacts = solids.has_contacts || std::ranges::any_of(solids.of_camera, is_inside) ||
+                        std::ranges::any_of(solids.of_lens, is_inside) ||
                         std::ranges::any_of(solids.of_light, is_inside) || has_coincident_surfaces(scene);
 }
 

@@ -1,10 +1,7 @@
 // build_lights: all lights of the scene, and how one is chosen.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
-#include <set>
-#include <tuple>
 #include <utility>
 
 #include "scene/alias_table.hpp"
@@ -63,30 +60,6 @@ interface::Light triangle_light(const Scene& scene, uint32_t index, double area)
   return light;
 }
 
-/// Emissive triangles that lie in one another, as where a mesh is placed twice: rays meet one of them.
-class TwinTriangles {
- public:
-  explicit TwinTriangles(const Scene& scene) : scene_(scene) {}
-
-  /// True if there was another with the same corners that faces the same way.
-  bool is_another(const interface::Triangle& triangle) {
-    std::array<glm::vec3, 3> corners = {scene_.vertices[triangle.v0].position,
-                                        scene_.vertices[triangle.v1].position,
-                                        scene_.vertices[triangle.v2].position};
-    const auto less = [](const glm::vec3& a, const glm::vec3& b) {
-      return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z);
-    };
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end(), less), corners.end());
-    std::array<float, 9> key{};
-    for (size_t i = 0; i < 9; ++i) key[i] = corners[i / 3][static_cast<int>(i % 3)];
-    return !found_.insert(key).second;
-  }
-
- private:
-  const Scene& scene_;
-  std::set<std::array<float, 9>> found_;
-};
-
 LightBounds punctual_bounds(const interface::Light& light) {
   LightBounds bounds;
   bounds.lower = bounds.upper = glm::dvec3(light.position);
@@ -142,12 +115,10 @@ void build_lights(Scene& scene) {
   // One that is dark counts: an animation may have turned it off.
   bool has_lamps = std::ranges::any_of(scene.lights, is_punctual);
   TrianglePower triangle_power(scene);
-  TwinTriangles twins(scene);
   for (uint32_t i = 0; i < scene.triangles.size(); ++i) {
     interface::Triangle& triangle = scene.triangles[i];
     triangle.light = interface::INVALID_INDEX;
     if ((scene.materials[triangle.material].flags & interface::MATERIAL_EMISSIVE) == 0) continue;
-    if (twins.is_another(triangle)) continue;
     const double area = triangle_area(scene, triangle);
     const double power = triangle_power(triangle, area);
     triangle.light = list.add(triangle_light(scene, i, area), power, triangle_bounds(scene, triangle, power));

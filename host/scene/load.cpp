@@ -13,6 +13,7 @@
 #include "scene/animation.hpp"
 #include "scene/clipping.hpp"
 #include "scene/document.hpp"
+#include "scene/emitter_overlap.hpp"
 #include "scene/environment_file.hpp"
 #include "scene/geometry.hpp"
 #include "scene/image_based_light.hpp"
@@ -255,6 +256,14 @@ struct SceneFile::Impl {
       document.fail("nothing to render: " + cause_of_emptiness(document, scene_index, nodes, extent));
     set_bounds(scene);
     add_materials(document, scene, textures);
+    if (const size_t cut = cut_overlapping_emitters(scene); cut > 0) {
+      document.warn(
+          fmt::format("{} emissive triangles lie in the plane of others that shine to the same "
+                      "side, in part or as a whole; each point shines once",
+                      cut));
+      if (!number_instances(scene))
+        document.fail("more than 2^32 triangles with those of copies; reduce the scene");
+    }
     add_punctual_lights(document, nodes, scene);
     add_cameras(document, nodes, scene);
     drop_idle_planes(scene);

@@ -1,12 +1,15 @@
 // find_solids: connected parts of surfaces, whether they are closed, and their ranks.
 #include "scene/solids.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <set>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -313,24 +316,31 @@ void absorb(Part& part, Part&& other) {
   part.solid.upper = glm::max(part.solid.upper, other.solid.upper);
 }
 
-/// Gives cavities to the solids around them, and makes what is open one solid.
-std::vector<Part> join_parts(std::vector<Part> parts) {
+/// The smallest solid around a part, by boxes; null: none.
+Part* smallest_around(std::vector<Part>& solids, const Part& part) {
+  Part* smallest = nullptr;
+  for (Part& solid : solids)
+    if (contains_box(solid.solid, part.solid) &&
+        (smallest == nullptr || solid.solid.volume < smallest->solid.volume))
+      smallest = &solid;
+  return smallest;
+}
+
+/// Gives cavities to the solids around them, and makes what is open one solid. Closed surfaces whose fronts
+/// face inwards and that lie in no solid go to `inverted`.
+std::vector<Part> join_parts(std::vector<Part> parts, std::vector<Part>& inverted) {
   std::vector<Part> solids, rest;
   Part open;
   for (Part& part : parts)
     (part.solid.is_closed && part.solid.volume > 0 ? solids : rest).push_back(std::move(part));
   std::vector<Part*> around;  // before cavities take from their volumes
-  for (Part& part : rest) {
-    Part* smallest = nullptr;
-    for (Part& solid : solids)
-      if (part.solid.is_closed && contains_box(solid.solid, part.solid) &&
-          (smallest == nullptr || solid.solid.volume < smallest->solid.volume))
-        smallest = &solid;
-    around.push_back(smallest);
-  }
+  for (const Part& part : rest)
+    around.push_back(part.solid.is_closed ? smallest_around(solids, part) : nullptr);
   for (size_t i = 0; i < rest.size(); ++i) {
     if (around[i] != nullptr) {
       absorb(*around[i], std::move(rest[i]));
+    } else if (rest[i].solid.is_closed && rest[i].solid.volume < 0) {
+      inverted.push_back(std::move(rest[i]));
     } else if (open.triangles.empty()) {
       open = std::move(rest[i]);
       open.solid.is_closed = false;
@@ -344,6 +354,28 @@ std::vector<Part> join_parts(std::vector<Part> parts) {
     solids.push_back(std::move(open));
   }
   return solids;
+}
+
+/// Turns a part inside out: its fronts become its backs, and its normals follow unless they do already.
+void turn(Scene& scene, Part& part) {
+  std::set<uint32_t> vertices;
+  double agreement = 0;
+  for (const uint32_t index : part.triangles) {
+    Triangle& t = scene.triangles[index];
+    std::swap(t.v1, t.v2);
+    const std::array<dvec3, 3> p = corners_of(scene, index);
+    const dvec3 normal = cross(p[1] - p[0], p[2] - p[0]);
+    for (const uint32_t vertex : {t.v0, t.v1, t.v2}) {
+      agreement += dot(normal, dvec3(scene.vertices[vertex].normal));
+      vertices.insert(vertex);
+    }
+  }
+  part.solid.volume = -part.solid.volume;
+  if (agreement >= 0) return;
+  for (const uint32_t vertex : vertices) {
+    scene.vertices[vertex].normal = -scene.vertices[vertex].normal;
+    if (!scene.vertex_tangents.empty()) scene.vertex_tangents[vertex].w *= -1;
+  }
 }
 
 /// True if a material's surface does nothing to light but for the index of refraction.
@@ -370,6 +402,44 @@ std::vector<uint32_t> substances(const Scene& scene) {
   return result;
 }
 
+/// Closed surfaces whose fronts face inwards: cavities of a solid of the same substance around them, in
+/// whichever mesh that is, or else solids that were modelled inside out, with what their meshes meant as
+/// their cavities.
+void join_inverted(Scene& scene, const std::vector<uint32_t>& substance, std::vector<Part> inverted,
+                   std::vector<Part>& parts) {
+  std::vector<Part> turned;
+  for (Part& part : inverted) {
+    Part* around = nullptr;
+    for (Part& solid : parts)
+      if (solid.solid.is_closed && substance[solid.solid.material] == substance[part.solid.material] &&
+          contains_box(solid.solid, part.solid) &&
+          (around == nullptr || solid.solid.volume < around->solid.volume))
+        around = &solid;
+    if (around != nullptr) {
+      absorb(*around, std::move(part));
+      continue;
+    }
+    turn(scene, part);
+    turned.push_back(std::move(part));
+  }
+  if (turned.empty()) return;
+  scene.warnings.push_back(fmt::format(
+      "{} closed surfaces of refracting materials have their fronts inwards and are turned", turned.size()));
+  std::vector<Part> rest;
+  for (Part& part : parts) {
+    Part* around = part.solid.is_closed ? smallest_around(turned, part) : nullptr;
+    if (around == nullptr || around->solid.place != part.solid.place ||
+        around->solid.material != part.solid.material) {
+      rest.push_back(std::move(part));
+      continue;
+    }
+    turn(scene, part);
+    absorb(*around, std::move(part));
+  }
+  for (Part& part : turned) rest.push_back(std::move(part));
+  parts = std::move(rest);
+}
+
 double priority_of(const Scene& scene, uint32_t material) {
   return material < scene.material_priorities.size() ? double{scene.material_priorities[material]} : 0.0;
 }
@@ -388,19 +458,19 @@ void find_solids(Scene& scene) {
     if (scene.triangles[i].instance != INVALID_INDEX &&
         bounds_solid(scene.materials[scene.triangles[i].material]))
       of_place[scene.triangles[i].instance].push_back(i);
-  std::vector<Part> parts;
+  std::vector<Part> parts, inverted;
   for (const auto& [place, triangles] : of_place)
-    for (Part& part : join_parts(PlaceParts(scene, triangles).take())) {
-      part.solid.priority = priority_of(scene, part.solid.material);
+    for (Part& part : join_parts(PlaceParts(scene, triangles).take(), inverted))
       parts.push_back(std::move(part));
-    }
+  const std::vector<uint32_t> substance = substances(scene);
+  join_inverted(scene, substance, std::move(inverted), parts);
+  for (Part& part : parts) part.solid.priority = priority_of(scene, part.solid.material);
   std::stable_sort(parts.begin(), parts.end(), [](const Part& a, const Part& b) {
     return std::tuple(-a.solid.priority, a.solid.volume, a.solid.place) <
            std::tuple(-b.solid.priority, b.solid.volume, b.solid.place);
   });
   if (parts.size() > MAX_SOLIDS) parts.resize(MAX_SOLIDS);
   if (parts.empty()) return;
-  const std::vector<uint32_t> substance = substances(scene);
   solids.of_triangle.assign(scene.triangles.size(), INVALID_INDEX);
   for (const Part& part : parts) {
     for (const uint32_t triangle : part.triangles)

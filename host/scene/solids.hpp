@@ -4,6 +4,8 @@
 // A solid is a connected, closed surface of one place of a mesh, whatever its materials; the surfaces of
 // cavities, whose fronts face inwards, belong to the smallest solid around them. What is not closed counts as
 // one open solid for each place: its faces alone tell inside from outside.
+// Closed surfaces whose fronts face inwards are cavities of what is around them, of the same material; others
+// are turned: someone forgot to.
 //
 // Where solids overlap, the one of higher priority (materials[].extras.regulus.priority, 0 by default)
 // decides; of equal priority the one of smaller volume, for what lies inside is always smaller; then the one
@@ -40,10 +42,14 @@ struct Solids {
   std::vector<interface::MediaSet> media_sets;  ///< sets that hold something; the first is empty
   std::vector<uint32_t> of_camera;              ///< by camera: index into media_sets, or MEDIA_VARY
   std::vector<uint32_t> of_light;               ///< by light, likewise
+  std::vector<uint32_t> of_lens;  ///< by camera: what holds the middle of its lens, index into media_sets
 };
 
 /// A set that holds nothing.
 interface::MediaSet empty_media_set();
+
+/// Material of the medium that holds the middle of a camera's lens; INVALID_INDEX: none.
+uint32_t medium_of_lens(const Scene& scene, size_t camera);
 
 /// Fills Scene::solids up to `records`. Call when all triangles are stored; reorder_triangles keeps it valid.
 void find_solids(Scene& scene);

@@ -89,7 +89,10 @@ REGULUS_CONSTANT MEDIA_VARY = 0xFFFFFFFEu;
 
 // Where surfaces come closer than this, in roundings (2^-24) of the ray's largest coordinate and of the distance, along their
 // normals, their order is fixed: see lib/contacts.glsl.
-REGULUS_CONSTANT CONTACT_ROUNDINGS = 4u;
+REGULUS_CONSTANT CONTACT_ROUNDINGS = 16u;
+// Rays that leave a surface which bounds no closed solid start so many roundings of its coordinates off it, beyond what else lies
+// in the same plane.
+REGULUS_CONSTANT CONTACT_CLEARANCE = 8u;
 
 // glTF metallic-roughness with the extensions we read. The model it parametrizes is in
 // shaders/lib/bsdf.glsl. Texture indices are INVALID_INDEX where absent.

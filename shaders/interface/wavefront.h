@@ -386,9 +386,10 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
   uint vertex_uv_sets;
-  uint camera_media;           // with FEATURE_CONTACTS: index of the camera's MediaSet, or MEDIA_VARY
+  uint camera_media;           // with FEATURE_CONTACTS: index of the MediaSet where camera rays start, or MEDIA_VARY
+  uint lens_medium;            // with FEATURE_CONTACTS: material of the medium from the lens to the near plane, or INVALID_INDEX
 };
-REGULUS_LAYOUT(Frame, 736);
+REGULUS_LAYOUT(Frame, 740);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -105,6 +105,9 @@ float camera_ray_pdf(Camera camera, vec2 size, vec3 direction) {
   return 1.0 / (area * cos_theta * cos_theta * cos_theta);
 }
 
+// m of a camera ray that lie before the near plane.
+float cut_length(Camera camera, vec3 direction) { return has_clipping() ? clipped_range(camera, direction).x : 0.0; }
+
 // A point as the lens sees it.
 struct LensSample {
   vec3 wi;           // unit, towards the lens

@@ -35,17 +35,19 @@ const float CONTACT_ERROR = float(CONTACT_ROUNDINGS) * FLOAT_EPSILON;
 // Least cosine with a surface by which distances along it become such along the ray.
 const float CONTACT_MIN_COS = 1.0 / 16.0;
 // By so many errors the second rule takes surfaces for nearer.
-const float CONTACT_EMITTER = 2.5, CONTACT_FRONT = 2.0, CONTACT_BACK = 1.5, CONTACT_ENTRY = 1.0;
+const float CONTACT_EMITTER = 2.0, CONTACT_FRONT = 1.5, CONTACT_BACK = 1.0, CONTACT_ENTRY = 0.5;
 // Values of surfaces of the same kind in one place differ by less than this.
 const float CONTACT_TIE = 0.2;
 // How far before the place of the last surface one may lie that is yet to be met, in errors.
-const float CONTACT_BEHIND = 4.0;
+const float CONTACT_BEHIND = 1.0;
+// By how many errors a surface that is met first may lie behind another: the greatest rank and the tie.
+const float CONTACT_REACH = CONTACT_EMITTER + CONTACT_TIE;
 
 // The error of a distance along the normal at a hit.
 float contact_error(float t) { return CONTACT_ERROR * (contact.coordinates + abs(t)); }
 
 // By how much t of a hit that is to be met first may exceed that of another, and how far behind its origin a ray looks.
-float contact_reach(float t) { return CONTACT_BEHIND / CONTACT_MIN_COS * contact_error(t); }
+float contact_reach(float t) { return CONTACT_REACH / CONTACT_MIN_COS * contact_error(t); }
 
 // The third rule.
 uint contact_order(uint tag, uint number, float cosine) {
@@ -74,7 +76,10 @@ vec2 contact_key(uint tag, uint number, float t, float cosine) {
   if (contact.is_blind) {
     bool counts = is_entry ? !is_inside : is_inside || !media_contain(contact.holding, solid);
     if (solid == contact.crossed && t < contact.from - before) return NEVER;
-    return counts && t > max(contact.from + before, 0.0) ? vec2(t, 0.0) : NEVER;
+    // One after the other, as they lie: what was left must not count again as left without having been entered.
+    uint last = media_contain(contact.around, contact.crossed) ? contact.crossed : ~contact.crossed;
+    bool is_ahead = t > contact.from || (t == contact.from && (is_entry ? solid : ~solid) > last);
+    return counts && is_ahead && t > 0.0 ? vec2(t, 0.0) : NEVER;
   }
   if (is_inside == is_entry) return NEVER;
   // What has just been left is not entered again at once.

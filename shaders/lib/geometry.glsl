@@ -66,7 +66,7 @@ SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   if ((spec_features & FEATURE_CONTACTS) != 0u) {
     // Beyond what else lies in the same plane (lib/contacts.glsl).
     vec3 size = abs(point.position);
-    point.clearance += 2.0 * float(CONTACT_ROUNDINGS) * FLOAT_EPSILON * max(size.x, max(size.y, size.z));
+    point.clearance += float(CONTACT_CLEARANCE) * FLOAT_EPSILON * max(size.x, max(size.y, size.z));
   }
   return point;
 }

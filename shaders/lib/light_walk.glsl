@@ -101,7 +101,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   }
   float correction = shading_correction(point, -path.direction, point.wo.z);
   vec3 factor = path.throughput * (correction * area_pdf / float(frame.light_path_count)) *
-                transmittance(frame, medium_towards(frame, point, path.medium, wi.z), lens.distance);
+                transmittance(frame, medium_towards(frame, point, path.medium, wi.z), lens.open_distance) *
+                transmittance_before_plane(frame, lens.distance - lens.open_distance);
   vec3 contribution = factor * value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =

@@ -232,6 +232,13 @@ vec3 transmittance(Frame frame, uint medium, float distance) {
   return exp_accurate(-absorption * distance);
 }
 
+// Transmittance of what lies between the lens and the near plane: nothing but the medium of the lens. (Without contacts no
+// solid holds the lens.)
+vec3 transmittance_before_plane(Frame frame, float distance) {
+  if ((spec_features & FEATURE_CLIPPING) == 0u || !has_contacts()) return vec3(1.0);
+  return transmittance(frame, frame.lens_medium, distance);
+}
+
 // What turns a light walk's |cos| of the shading normal into the path's own measure: |w.n_s| / |w.n_g| with w
 // towards the light (Veach 1997, section 5.3). 1 without smooth normals.
 float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shading) {

@@ -354,6 +354,18 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   return is_inside && determinant != 0.0 && tuv.x > t_min && tuv.x <= t_max;
 }
 
+// The same t by the triangle's plane: barycentrics err by more, and surfaces in one plane are to have one distance. `t` where
+// the ray runs along the plane.
+float traversal_plane_distance(DeviceAddress triangles, uint index, TraversalRay ray, vec3 normal, vec3 origin, vec3 direction,
+                               float t) {
+  uvec2 w0 = TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[0]);
+  uvec2 w1 = TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[1]);
+  vec3 v0 = uintBitsToFloat(uvec3(w0, w1.x));
+  if (TRAVERSAL_HAS_INSTANCES) v0 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, v0);
+  float slope = dot(normal, direction);
+  return abs(slope) > 0.0 ? dot(normal, v0 - origin) / slope : t;
+}
+
 #define TRAVERSAL_STACK(level) traversal_stack[(level) * WORKGROUP_SIZE + gl_LocalInvocationIndex]
 
 uint traversal_child(DeviceAddress nodes, uint node, uint slot) {
@@ -454,6 +466,7 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
         vec2 key = vec2(tuv.x, 0.0);
         uint order = 0u;
         if (TRAVERSAL_HAS_CONTACTS) {
+          tuv.x = traversal_plane_distance(triangles, i, ray, normal, origin, direction, tuv.x);
           float cosine = dot(normal, direction) * inversesqrt(max(dot(normal, normal), 1e-37));
           key = TRAVERSAL_CONTACT_KEY(hit_tag, i + ray.number_offset, tuv.x, cosine);
           if (cosine < 0.0) hit_tag |= TRIANGLE_TAG_FRONT;

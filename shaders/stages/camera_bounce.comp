@@ -24,6 +24,11 @@ void main() {
   float way = hit.t;
   if ((spec_features & FEATURE_ABSORPTION) != 0u)
     way = length_in_medium(frame, media, path.direction, hit, point.surface.position);
+  if (has_contacts() && path.bounce == 0u) {
+    float cut = cut_length(frame.camera, path.direction);
+    way -= cut;
+    path.throughput *= transmittance_before_plane(frame, cut);
+  }
   path.throughput *= transmittance(frame, path.medium, way);
   mis_arrive(path, hit.t, dot(path.direction, point.geometric_normal),
              path.bounce == 0u && frame.camera.kind == CAMERA_ORTHOGRAPHIC);

@@ -27,7 +27,8 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
     segment.direction = -lens.wi;
     segment.t_max = lens.open_distance - emission.point.clearance / abs(cos_light);
     if (frame.camera_media != MEDIA_VARY) media.around = LOAD(MediaSetBuffer, frame.media_sets, frame.camera_media);
-    segment.contribution *= transmittance(frame, medium_of(frame, media.around), lens.distance);
+    segment.contribution *= transmittance(frame, medium_of(frame, media.around), lens.open_distance) *
+                            transmittance_before_plane(frame, lens.distance - lens.open_distance);
   }
   queue_splat(frame, segment, media, lens.film, 0u, segment.contribution);
 }

@@ -72,5 +72,24 @@ TEST_F(Media, APanelAcrossABlockIsTheSameFromBothEnds) {
   expect_equal("panel across a block", by_hits, render_batches(scene, settings, 17, 42));
 }
 
+// By rays that meet them, by light sampling and by light paths, each alone and together.
+TEST_F(Media, LampsThatOverlapShineOnce) {
+  using namespace interface;
+  const PreparedScene scene = prepare(overlapping_lamps());
+  const double known = floor_below_lamps();
+  constexpr uint32_t SIZE = 16, SAMPLES = 1024;
+  for (const uint32_t techniques :
+       {TECHNIQUE_HIT, TECHNIQUE_NEE, TECHNIQUE_SPLAT, TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT}) {
+    render::RenderSettings settings = box_filtered(SIZE, SIZE, SAMPLES, 2);
+    settings.techniques = techniques;
+    const double found = mean_of(render(scene, settings).image)[0];
+    // No path brings more than albedo times radiance, or times the power of all lamps over the film's m^2.
+    const double most = (techniques & TECHNIQUE_SPLAT) != 0 ? 0.5 * (10 + 0.75 * 30) : 0.5 * 30;
+    const double bound = 1e-4 * known + 5 * std::sqrt(known * most / (SIZE * SIZE * SAMPLES));
+    std::printf("techniques %u: %.4f, known %.4f, bound %.1e\n", techniques, found, known, bound);
+    EXPECT_NEAR(found, known, bound) << techniques;
+  }
+}
+
 }  // namespace
 }  // namespace regulus::test

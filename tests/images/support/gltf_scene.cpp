@@ -289,6 +289,11 @@ void GltfScene::set_orthographic(const glm::dmat4& camera_to_world, double half_
   gltf_["nodes"].push_back({{"camera", 0}, {"matrix", to_json(camera_to_world)}});
 }
 
+void GltfScene::set_near_plane(double depth) {
+  json& camera = gltf_["cameras"][0];
+  camera[camera["type"].get<std::string>()]["znear"] = depth;
+}
+
 void GltfScene::set_setting(const std::string& name, const json& value) {
   gltf_["scenes"][0]["extras"]["regulus"][name] = value;
 }

@@ -83,12 +83,18 @@ class GltfScene {
 
   void set_perspective(const glm::dmat4& camera_to_world, double y_fov);
   void set_orthographic(const glm::dmat4& camera_to_world, double half_width, double half_height);
+  /// Of the camera that was set. m
+  void set_near_plane(double depth);
 
   /// Puts a node with this matrix above everything.
   void set_root(const glm::dmat4& matrix) { root_ = matrix; }
 
   /// Entries of scenes[].extras.regulus.
   void set_setting(const std::string& name, const nlohmann::json& value);
+
+  /// Preparing the scene fails the test unless the loader gives a warning with this text, and no other.
+  void expect_warning(const std::string& text) { expected_warning_ = text; }
+  const std::string& expected_warning() const { return expected_warning_; }
 
   void write(const std::filesystem::path& path) const;
 
@@ -100,6 +106,7 @@ class GltfScene {
   nlohmann::json gltf_;
   std::vector<unsigned char> buffer_;
   glm::dmat4 root_{1};
+  std::string expected_warning_;
 };
 
 }  // namespace regulus::test

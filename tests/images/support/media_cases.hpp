@@ -42,4 +42,9 @@ double floor_below_lamp(const glm::dvec3& point);
 /// A lit panel over a floor, one half of it in an absorbing block without an index.
 GltfScene panel_across_block();
 
+/// A floor below two lamps of radiance 10 and 30 in the plane of a black ceiling, which overlap by a quarter,
+/// where the first one is: mean radiance of the floor that the camera sees.
+GltfScene overlapping_lamps();
+double floor_below_lamps();
+
 }  // namespace regulus::test

@@ -19,8 +19,14 @@ PreparedScene prepare_in(const TemporaryFolder& folder, const GltfScene& scene,
   const fs::path path = folder / "scene.gltf";
   scene.write(path);
   PreparedScene prepared = prepare(path, options);
-  for (const std::string& warning : prepared.scene.warnings)
-    ADD_FAILURE() << "warning of the loader: " << warning;
+  const std::string& expected = scene.expected_warning();
+  bool is_found = expected.empty();
+  for (const std::string& warning : prepared.scene.warnings) {
+    const bool is_expected = !expected.empty() && warning.find(expected) != std::string::npos;
+    is_found = is_found || is_expected;
+    if (!is_expected) ADD_FAILURE() << "warning of the loader: " << warning;
+  }
+  EXPECT_TRUE(is_found) << "no warning: " << expected;
   return prepared;
 }
 
