@@ -220,7 +220,7 @@ TEST(ReferencePaths, TechniquesDoNotDependOnHowThePathWasFound) {
     const LightSubpath light = walk_from_light(world, settings, index, 0);
     if (light.vertices.size() < 3) continue;
     // The camera walk that leaves the lens towards the last vertex.
-    const auto splat = connect_to_lens(world, camera, light, 3, {0.5, 0.5});
+    const auto splat = connect_to_lens(world, camera, interface::INVALID_INDEX, light, 3, {0.5, 0.5});
     if (!splat || splat->path.vertices[3].is_delta || splat->path.vertices[2].is_delta) continue;
     if (splat->path.vertices[2].value == dvec3(0)) continue;  // a walk may pass a black lamp
     CameraSubpath walk;
