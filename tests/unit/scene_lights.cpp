@@ -106,6 +106,7 @@ TEST(SceneLights, SelectionIsInProportionToPower) {
   file.triangle_of(emitter(2, true));                       // twice that
   file.root["meshes"].back()["primitives"][0]["indices"] =  // facing the other way: not the same light
       file.accessor(std::vector<uint8_t>{0, 2, 1}, "SCALAR", 5121);
+  file.root["nodes"].back()["translation"] = {0, 0, 1e-4};  // in one place only one of them would shine
   file.light({{"type", "point"}, {"intensity", 0.5}});      // 4 pi * 0.5
   file.light({{"type", "directional"}, {"intensity", 4}});  // pi r^2 * 4, r = sqrt(2) / 2
   const Scene scene = load_with_lights(file);
@@ -186,6 +187,7 @@ TEST(SceneLights, TexturedEmissionIsAveraged) {
   material["emissiveTexture"] = {{"index", texture}};
   file.triangle_of(material);
   file.triangle_of(material);
+  file.root["nodes"].back()["translation"] = {0, 0, 1};  // in one place only one of them would shine
   const std::vector<float> lit = {0, 0, 1, 0, 0, 0.5f}, dark = {0.1f, 0.9f, 0.2f, 0.9f, 0.1f, 0.95f};
   file.root["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(lit, "VEC2", FLOAT);
   file.root["meshes"][1]["primitives"][0]["attributes"]["TEXCOORD_0"] = file.accessor(dark, "VEC2", FLOAT);
