@@ -49,7 +49,8 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
     for (const auto& [behind, unused] : average)
       for (const auto& [in_front, also_unused] : average)
         relative_average_[{behind, in_front}] = fresnel_dielectric_average(double{behind} / in_front);
-  if ((prepared.features.bits & FEATURE_SHEEN) != 0) sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
+  if ((prepared.features.bits & FEATURE_SHEEN) != 0)
+    sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
   const bool has_rough_bases = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
   if (!compensates_energy && !has_rough_bases) return;
   std::vector<float> indices;

@@ -35,8 +35,8 @@ class Shadowing {
   double t_, middle_;
 };
 
-/// A node of the double-exponential rule on [0, 1] (Takahasi and Mori 1974), which roots and peaks at the ends,
-/// where sheen is brightest, do not disturb.
+/// A node of the double-exponential rule on [0, 1] (Takahasi and Mori 1974), which roots and peaks at the
+/// ends, where sheen is brightest, do not disturb.
 struct Step {
   double place, share;
 };

@@ -5,8 +5,8 @@
 
 namespace regulus::scene {
 
-/// The words of interface/sheen.h: the shares of light that white sheen reflects, by quadrature, with relative
-/// errors below 3e-5. About a fifth of a second of processor time.
+/// The words of interface/sheen.h: the shares of light that white sheen reflects, by quadrature, with
+/// relative errors below 3e-5. About a fifth of a second of processor time.
 std::vector<float> make_sheen_table();
 
 }  // namespace regulus::scene
