@@ -52,7 +52,7 @@ struct StageRecorder::Impl {
         buffers(device, scene,
                 scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
                 (paths + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE * WORKGROUP_SIZE),
-        pipeline(build_pipeline(device, plan)),
+        pipeline(build_pipeline(device, plan, RAYS_SOFTWARE)),
         scan(device) {}
 
   template <typename T>
