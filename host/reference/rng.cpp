@@ -73,6 +73,16 @@ RandomBits pcg4d(RandomBits v) {
   return v;
 }
 
+/// Swaps samples within each group of four such that the three ways to pair them, by all but the last digit
+/// of the index, are equally likely.
+uint32_t pair_anew(uint32_t index, uint32_t key) {
+  // What becomes of 0, 1, 2, 3. Together stay 0 and 1, then 0 and 2, then 0 and 3.
+  constexpr std::array<std::array<uint32_t, 4>, 3> WAYS{{{0, 1, 2, 3}, {0, 2, 1, 3}, {0, 2, 3, 1}}};
+  uint32_t hash = (index / 4 ^ key) * 0x9E3779B1u;
+  hash = (hash ^ hash >> 15) * 0x85EBCA77u;
+  return index / 4 * 4 + WAYS[(hash >> 16) * 3 >> 16][index % 4];
+}
+
 }  // namespace
 
 RandomBits sobol(uint32_t index) {
@@ -85,7 +95,8 @@ RandomBits sobol(uint32_t index) {
 
 RandomBits sobol_bits(uint32_t seed, uint32_t stream, uint32_t sample_index, uint32_t block) {
   const RandomBits seeds = pcg4d({stream, 0x2545f491u, block, seed});
-  RandomBits point = sobol(owen_scramble(sample_index, pcg4d(seeds)[0]));
+  const RandomBits order = pcg4d(seeds);
+  RandomBits point = sobol(owen_scramble(pair_anew(sample_index, order[1]), order[0]));
   for (size_t dimension = 0; dimension < point.size(); ++dimension)
     point[dimension] = owen_scramble(point[dimension], seeds[dimension]);
   return point;

@@ -16,7 +16,8 @@ using RandomBits = std::array<uint32_t, 4>;
 RandomBits sobol(uint32_t index);
 
 /// Block of the sampler `sobol`: the sequence over `sample_index`, shuffled and scrambled by (seed, stream,
-/// block) (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). A camera path's stream is its pixel.
+/// block) (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020), each four samples paired anew
+/// (docs/mathematics.md 11). A camera path's stream is its pixel.
 RandomBits sobol_bits(uint32_t seed, uint32_t stream, uint32_t sample_index, uint32_t block);
 
 /// Block of the sampler `hash`: PCG4D (Jarzynski and Olano, JCGT 2020) of the four numbers.

@@ -2,7 +2,8 @@
 // evaluation, wave size or sample range gives the same numbers. Two samplers (spec_sampler):
 // sobol  each (stream, block) is a four-dimensional Sobol sequence over the samples, its order shuffled and its
 //        digits scrambled (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020). Blocks and streams are
-//        independent. Components xy of a block are its best pair, a (0, 2)-sequence.
+//        independent, also in which of four samples lie opposite each other. Components xy of a block are its best
+//        pair, a (0, 2)-sequence.
 // hash   independent numbers.
 // A camera path's stream is its pixel. The twin of this file in C++ is host/reference/rng.hpp.
 #ifndef REGULUS_LIB_RNG_GLSL
@@ -85,11 +86,25 @@ uvec4 sobol_reversed(uint index) {
   return uvec4(index, pascal, sum);
 }
 
+// Swaps samples within each group 4k .. 4k + 3. Points 2k and 2k + 1 lie in opposite halves, and shuffling by Owen keeps them
+// together: were they the same samples in every block, products of blocks would have up to twice the variance of independent
+// numbers. So each group is paired in one of the three ways there are (docs/mathematics.md 11). Aligned ranges of four and more
+// keep their points.
+uint pair_anew(uint index, uint key) {
+  uint hash = ((index >> 2u) ^ key) * 0x9E3779B1u;
+  hash = (hash ^ (hash >> 15u)) * 0x85EBCA77u;
+  uint way = ((hash >> 16u) * 3u) >> 16u;
+  uint low = index & 1u, high = (index >> 1u) & 1u;
+  uint swapped = (low << 1u) ^ (high * (2u * way - 1u));  // 0 2 1 3, or 0 2 3 1
+  return way == 0u ? index : (index & ~3u) | swapped;
+}
+
 // 32 random bits each of the Sobol sampler.
 uvec4 sobol_bits(uint seed, uint stream, uint sample_index, uint block) {
   uvec4 seeds = pcg4d(uvec4(stream, 0x2545f491u, block, seed));
-  uint order = pcg4d(seeds).x;
-  uint shuffled = bitfieldReverse(owen_scramble_reversed(uvec4(bitfieldReverse(sample_index)), uvec4(order)).x);
+  uvec2 order = pcg4d(seeds).xy;
+  uint index = pair_anew(sample_index, order.y);
+  uint shuffled = bitfieldReverse(owen_scramble_reversed(uvec4(bitfieldReverse(index)), uvec4(order.x)).x);
   return bitfieldReverse(owen_scramble_reversed(sobol_reversed(shuffled), seeds));
 }
 
