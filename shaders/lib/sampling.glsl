@@ -39,8 +39,6 @@ vec3 sample_cosine_hemisphere(vec2 u) {
   return vec3(disk, safe_sqrt((1.0 - radius) * (1.0 + radius)));
 }
 
-float cosine_hemisphere_pdf(float cos_theta) { return max(cos_theta, 0.0) * INV_PI; }
-
 // Uniform point of a triangle as barycentrics (of the second and third vertex), pdf 1 / area. Low distortion
 // (Heitz, "A Low-Distortion Map Between Triangle and Square", 2019).
 vec2 sample_triangle(vec2 u) {
