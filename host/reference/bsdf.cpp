@@ -324,21 +324,22 @@ Bsdf::Shares Bsdf::shares(const dvec3& w) const {
               luminance(clear * (1.0 - reflected))};
 }
 
+Bsdf::Layers Bsdf::layers(const dvec3& w) const {
+  const auto [diffuse, facets] = shares(w);
+  if (largest_sheen(w) == 0) return {0, diffuse, facets};
+  const double passed = 1 - largest_sheen(w) * sheen_albedo(w);
+  return {luminance(parameters_.sheen_color) * sheen_albedo(w), passed * diffuse, passed * facets};
+}
+
 double Bsdf::diffuse_probability(const dvec3& wo) const {
-  const auto [diffuse, facets] = shares(wo);
-  if (facets == 0) return 1;
-  if (largest_sheen(wo) == 0) return diffuse / (diffuse + facets);
-  const double passed = 1 - largest_sheen(wo) * sheen_albedo(wo);
-  const double above = luminance(parameters_.sheen_color) * sheen_albedo(wo);
-  return (above + passed * diffuse) / (above + passed * (diffuse + facets));
+  const auto [sheen, diffuse, facets] = layers(wo);
+  return facets == 0 ? 1 : (sheen + diffuse) / (sheen + diffuse + facets);
 }
 
 /// Of the diffuse lobe's samples.
 double Bsdf::sheen_share(const dvec3& w) const {
-  if (largest_sheen(w) == 0) return 0;
-  const double above = luminance(parameters_.sheen_color) * sheen_albedo(w);
-  const double passed = 1 - largest_sheen(w) * sheen_albedo(w);
-  return above > 0 ? above / (above + passed * shares(w).diffuse) : 0;
+  const auto [sheen, diffuse, facets] = layers(w);
+  return sheen > 0 ? sheen / (sheen + diffuse) : 0;
 }
 
 /// From inside a solid light leaves by a cone alone, but for what f90 and facets leave of the rest.

@@ -175,6 +175,11 @@ class Bsdf {
     double diffuse, facets;
   };
   Shares shares(const glm::dvec3& w) const;
+  /// Likewise of sheen, and of both below it.
+  struct Layers {
+    double sheen, diffuse, facets;
+  };
+  Layers layers(const glm::dvec3& w) const;
   /// (1 - m) t base (1 - F_d). `exact`: reflectance of the bare interface, as is
   glm::dvec3 transmittance(double exact, double eta) const;
   double reflection_probability(double cos_facet, double eta) const;

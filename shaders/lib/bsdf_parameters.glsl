@@ -165,9 +165,18 @@ vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) 
   return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
 }
 
-// Luminance of what sheen reflects of light from a direction with cosine c, on a side where it has this largest component.
-float sheen_luminance(Bsdf bsdf, float c, float largest) {
-  return min(sheen_albedo(bsdf.sheen, c, largest), 1.0) * dot(bsdf.sheen.color, LUMINANCE);
+// Of light from a direction with cosine c and that Fresnel position, on a side where sheen has this largest component.
+struct SheenLayers {
+  float above;   // luminance of what sheen reflects
+  float below;   // and of what the diffuse lobe under it does
+  float passed;  // factor of sheen on all that lies under it
+};
+
+SheenLayers sheen_layers(Bsdf bsdf, float c, vec2 position, float largest) {
+  float albedo = min(sheen_albedo(bsdf.sheen, c, largest), 1.0);
+  float passed = 1.0 - largest * albedo;
+  float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
+  return SheenLayers(albedo * dot(bsdf.sheen.color, LUMINANCE), passed * max(diffuse, 0.0), passed);
 }
 
 // Probability of sampling the diffuse lobe, sheen included, from a direction with cosine c and that Fresnel position, on a
@@ -177,9 +186,9 @@ float diffuse_probability(Bsdf bsdf, float c, vec2 position, float sheen) {
   float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
   float specular = reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
   if (bsdf_has_sheen()) {
-    float passed = 1.0 - sheen * min(sheen_albedo(bsdf.sheen, c, sheen), 1.0);
-    diffuse = passed * diffuse + sheen_luminance(bsdf, c, sheen);
-    specular *= passed;
+    SheenLayers layers = sheen_layers(bsdf, c, position, sheen);
+    diffuse = layers.above + layers.below;
+    specular *= layers.passed;
   }
   return specular > 0.0 ? diffuse / (diffuse + specular) : 1.0;
 }
@@ -274,10 +283,8 @@ float cone_share(Bsdf bsdf) {
 // Share of sheen among the diffuse lobe's samples, from a direction with cosine c and that Fresnel position.
 float sheen_share(Bsdf bsdf, float c, vec2 position, float sheen) {
   if (!bsdf_has_sheen() || !(sheen > 0.0)) return 0.0;
-  float below = max(bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y, 0.0);
-  float above = sheen_luminance(bsdf, c, sheen);
-  float passed = 1.0 - sheen * min(sheen_albedo(bsdf.sheen, c, sheen), 1.0);
-  return above > 0.0 ? above / (above + passed * below) : 0.0;
+  SheenLayers layers = sheen_layers(bsdf, c, position, sheen);
+  return layers.above > 0.0 ? layers.above / (layers.above + layers.below) : 0.0;
 }
 
 // Density of a direction with cosine c among the diffuse lobe's samples, times pi. sheen: the share above.

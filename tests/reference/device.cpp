@@ -404,8 +404,11 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
   }
   render::ConnectionRecording swapped = paired;
   for (ConnectionPair& pair : swapped.bounces[0].pairs) pair.slot ^= 1;
-  for (const Tally& tally : checked.check(swapped))
-    if (tally.name() == "connection pairs") EXPECT_FALSE(tally.is_passed());
+  const auto tallies = checked.check(swapped);
+  const auto of_pairs =
+      std::ranges::find_if(tallies, [](const Tally& tally) { return tally.name() == "connection pairs"; });
+  ASSERT_NE(of_pairs, tallies.end());
+  EXPECT_FALSE(of_pairs->is_passed());
 }
 
 TEST(DeviceConnections, ThroughAThinLensAgreeWithTheReference) {
