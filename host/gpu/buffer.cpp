@@ -39,6 +39,9 @@ uint64_t Buffer::size() const {
 uint64_t Buffer::address() const {
   return impl ? impl->address : 0;
 }
+std::byte* Buffer::host() const {
+  return impl ? impl->allocation.mapped : nullptr;
+}
 
 vk::Buffer checked_range(const Buffer& buffer, uint64_t offset, uint64_t bytes) {
   if (offset > buffer.size() || bytes > buffer.size() - offset)
@@ -52,8 +55,8 @@ Buffer Device::create_buffer(uint64_t bytes, std::string_view name) {
   if (bytes == 0) return buffer;
   DeviceState& state = *impl->state;
   Allocation allocation = state.allocate(
-      bytes, eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress, false,
-      name);
+      bytes, eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress,
+      info().kind == DeviceKind::Software, name);
   const uint64_t address = state.device.getBufferAddress({*allocation.buffer});
   buffer.impl.reset(new Buffer::Impl{impl->state, std::string(name), bytes, address, std::move(allocation)});
 

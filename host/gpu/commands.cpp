@@ -109,8 +109,10 @@ void CommandList::Impl::copy(vk::Buffer from, uint64_t from_offset, vk::Buffer t
 }
 
 void CommandList::Impl::publish_to_host() {
-  const vk::MemoryBarrier barrier(Access::eTransferWrite, Access::eHostRead);
-  recording->commands.pipelineBarrier(Stage::eTransfer, Stage::eHost, {}, barrier, {}, {});
+  const vk::MemoryBarrier barrier(Access::eShaderWrite | Access::eTransferWrite,
+                                  Access::eHostRead | Access::eHostWrite);
+  recording->commands.pipelineBarrier(Stage::eComputeShader | Stage::eTransfer, Stage::eHost, {}, barrier, {},
+                                      {});
 }
 
 void CommandList::dispatch(const Kernel& kernel, std::span<const std::byte> push_constants, uint32_t groups) {

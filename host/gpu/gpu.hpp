@@ -53,6 +53,9 @@ class Buffer {
 
   uint64_t size() const;     ///< bytes
   uint64_t address() const;  ///< device address; 0 for an empty buffer
+  /// The contents themselves on devices of DeviceKind::Software, whose memory is the host's; null on others
+  /// and for an empty buffer. To be read and written while no submission that uses the buffer is in flight.
+  std::byte* host() const;
 
   struct Impl;
   std::unique_ptr<Impl> impl;

@@ -24,8 +24,9 @@ constexpr uint64_t whole_words(uint64_t bytes) {
 struct Allocation {
   vk::raii::DeviceMemory memory{nullptr};
   vk::raii::Buffer buffer{nullptr};
-  uint64_t bytes = 0;           ///< of the memory
-  std::byte* mapped = nullptr;  ///< only for host-visible memory that was asked for
+  uint64_t bytes = 0;  ///< of the memory
+  std::byte* mapped =
+      nullptr;  ///< only for host-visible memory that was asked for; always on software devices
 };
 
 /// What one command list needs of Vulkan. Used again for the next list, because making it costs more than

@@ -95,6 +95,7 @@ Submission Device::submit(CommandList&& commands) {
   DeviceState& state = *impl->state;
   if (state.is_lost) state.throw_lost(list.stages, -1);
   try {
+    if (info().kind == DeviceKind::Software) list.publish_to_host();
     list.recording->commands.end();
     if (faults().lost_at_submit || Faults::is_due(faults().submissions_before_loss))
       throw vk::DeviceLostError("submit");

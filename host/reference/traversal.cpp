@@ -189,19 +189,24 @@ double coverage_at(const scene::Scene& scene, uint32_t index, const glm::dvec2& 
   return alpha;
 }
 
-bool Traversal::is_covered(const Ray& ray, const Intersection& hit) const {
-  if (scene_ == nullptr) return true;
-  const double coverage = coverage_at(*scene_, hit.triangle, hit.barycentrics);
+bool is_covered(const scene::Scene& scene, uint32_t triangle, const glm::dvec2& barycentrics,
+                const glm::vec3& origin, const glm::vec3& direction) {
+  const double coverage = coverage_at(scene, triangle, barycentrics);
   if (coverage >= 1) return true;
-  const glm::vec3 origin = ray.decision ? (*ray.decision)[0] : glm::vec3(ray.origin);
-  const glm::vec3 direction = ray.decision ? (*ray.decision)[1] : glm::vec3(ray.direction);
   const auto bits_of = [](float value) { return std::bit_cast<uint32_t>(value); };
   // hash_bits takes its stream first: PCG4D of (origin, direction.x), then of that and the rest.
   const RandomBits first =
       hash_bits(bits_of(direction.x), bits_of(origin.x), bits_of(origin.y), bits_of(origin.z));
   const RandomBits bits = hash_bits(first[3], first[0] ^ bits_of(direction.y),
-                                    first[1] ^ bits_of(direction.z), first[2] ^ hit.triangle);
+                                    first[1] ^ bits_of(direction.z), first[2] ^ triangle);
   return unit_interval(bits[0]) < coverage;
+}
+
+bool Traversal::is_covered(const Ray& ray, const Intersection& hit) const {
+  if (scene_ == nullptr) return true;
+  const glm::vec3 origin = ray.decision ? (*ray.decision)[0] : glm::vec3(ray.origin);
+  const glm::vec3 direction = ray.decision ? (*ray.decision)[1] : glm::vec3(ray.direction);
+  return reference::is_covered(*scene_, hit.triangle, hit.barycentrics, origin, direction);
 }
 
 void Traversal::take_contact(uint32_t tag, Intersection hit, const dvec3& normal, Search& search) const {

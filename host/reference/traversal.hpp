@@ -46,6 +46,10 @@ struct Ray {
 /// Share of the surface that is there at barycentrics of a triangle: 1, or by the alpha of its material.
 double coverage_at(const scene::Scene& scene, uint32_t triangle, const glm::dvec2& barycentrics);
 
+/// Whether a ray meets a surface there: by a hash of the ray's bits, as on the device.
+bool is_covered(const scene::Scene& scene, uint32_t triangle, const glm::dvec2& barycentrics,
+                const glm::vec3& origin, const glm::vec3& direction);
+
 /// Where a ray meets a triangle; p = (1 - u - v) p0 + u p1 + v p2.
 struct Intersection {
   double t;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "render/device_scene.hpp"
+#include "render/host_rays.hpp"
 #include "render/scan.hpp"
 #include "render/stages.hpp"
 #include "render/wave_core.hpp"
@@ -64,11 +65,13 @@ struct Renderer::Impl {
   uint64_t path_bytes;
   uint32_t capacity;
   WavefrontBuffers buffers;
+  uint32_t rays;
   std::vector<PipelineStep> pipeline;
   Scan scan;
   bool has_light_pass, has_camera_pass;
   Film film;
   RenderStatistics statistics;
+  std::optional<HostRays> host_rays;
   WorkQueue work;
   WaveCore core;
 
@@ -94,10 +97,11 @@ struct Renderer::Impl {
         buffers(device, scene,
                 scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
                 capacity),
-        pipeline(build_pipeline(device, plan)),
+        rays(resolve_rays(device.info(), plan)),
+        pipeline(build_pipeline(device, plan, rays)),
         scan(device),
         work(device, ITEMS_PER_PATH * (plan.wave_paths != 0 ? capacity : WORKGROUP_SIZE), statistics),
-        core(device, work, pipeline, buffers, plan) {
+        core(device, work, pipeline, buffers, plan, rays == RAYS_HOST ? &trace_with(prepared) : nullptr) {
     const auto has_pass = [&](Pass pass) {
       return std::ranges::any_of(pipeline,
                                  [&](const PipelineStep& entry) { return entry.step.pass == pass; });
@@ -112,10 +116,15 @@ struct Renderer::Impl {
     film.exponents = prepared.features.film_exponents;
     film.earlier_words.resize(buffers.film_earlier.size() / sizeof(uint32_t));
     film.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
+    statistics.rays = rays;
     statistics.wave_capacity = capacity;
     statistics.bytes_per_path = path_bytes;
     snapshot_seconds =
         static_cast<double>(pixels * FILM_WORDS_PER_PIXEL * sizeof(uint32_t)) / FIRST_BYTES_PER_SECOND;
+  }
+
+  HostRays& trace_with(const PreparedScene& prepared) {
+    return host_rays.emplace(prepared, plan, buffers, statistics);
   }
 
   // ---- waves

@@ -21,7 +21,8 @@ using ProgressCallback = std::function<bool(uint64_t paths_done, uint64_t paths_
 /// nor interruption changes the samples it consists of.
 class Renderer {
  public:
-  /// Uploads the scene, which may be freed afterwards, and builds the pipelines.
+  /// Uploads the scene and builds the pipelines. `prepared` must outlive the object if the host traces rays,
+  /// and may be freed otherwise. @throws regulus::Error (BadUsage) if the plan's rays are not possible
   Renderer(gpu::Device& device, const PreparedScene& prepared, const Plan& plan);
   ~Renderer();
 

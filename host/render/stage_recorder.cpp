@@ -61,7 +61,7 @@ struct StageRecorder::Impl {
         buffers(device, scene,
                 scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
                 capacity_for(plan, paths)),
-        pipeline(build_pipeline(device, plan)),
+        pipeline(build_pipeline(device, plan, RAYS_SOFTWARE)),
         scan(device) {}
 
   template <typename T>

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "render/host_rays.hpp"
 #include "render/shaders.hpp"
 
 namespace regulus::render {
@@ -29,16 +30,20 @@ bool is_needed(const StageStep& step, const Plan& plan) {
   return step.material_class == ANY_CLASS || (plan.features.material_classes >> step.material_class & 1) != 0;
 }
 
-std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan) {
-  std::vector<const StageStep*> steps;
+std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, uint32_t rays) {
+  std::vector<PipelineStep> pipeline;
+  std::vector<size_t> with_kernel;  // places in the pipeline
   std::vector<gpu::KernelDescription> descriptions;
   for (const StageStep& step : STAGES) {
     if (step.extent == Extent::Scan || !is_needed(step, plan)) continue;
+    pipeline.push_back({step, {}});
+    const bool is_on_host = rays == RAYS_HOST && HostRays::traces(step);
+    if (is_on_host && !HostRays::needs_kernel(step)) continue;
     // What shades whatever it meets needs the most general class.
     const uint32_t material_class = step.pass == Pass::Surface         ? MATERIAL_CLASS_TRANSMISSIVE
                                     : step.material_class == ANY_CLASS ? 0
                                                                        : step.material_class;
-    steps.push_back(&step);
+    with_kernel.push_back(pipeline.size() - 1);
     descriptions.push_back(
         {step.name,
          stage_spirv(device, step.shader),
@@ -60,11 +65,11 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan) 
           {SPEC_FILM_EXPONENT, static_cast<uint32_t>(plan.features.film_exponents.radiance)},
           {SPEC_SQUARE_EXPONENT, static_cast<uint32_t>(plan.features.film_exponents.squares)},
           {SPEC_FILTER, plan.filter},
-          {SPEC_SAMPLER, plan.sampler}}});
+          {SPEC_SAMPLER, plan.sampler},
+          {SPEC_RAYS, is_on_host ? RAYS_HOST : RAYS_SOFTWARE}}});
   }
   std::vector<gpu::Kernel> kernels = device.create_kernels(descriptions);
-  std::vector<PipelineStep> pipeline;
-  for (size_t i = 0; i < steps.size(); ++i) pipeline.push_back({*steps[i], std::move(kernels[i])});
+  for (size_t i = 0; i < kernels.size(); ++i) pipeline[with_kernel[i]].kernel = std::move(kernels[i]);
   return pipeline;
 }
 

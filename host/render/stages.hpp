@@ -117,7 +117,8 @@ inline constexpr std::array STAGES = {
 
 using detail::STAGES;
 
-/// A step with its kernel, ready to be recorded.
+/// A step with its kernel, ready to be recorded; without one if the host does all of it
+/// (render/host_rays.hpp).
 struct PipelineStep {
   StageStep step;
   gpu::Kernel kernel;
@@ -126,8 +127,9 @@ struct PipelineStep {
 /// True if the step runs under the plan.
 bool is_needed(const StageStep& step, const Plan& plan);
 
-/// Compiles the steps of STAGES that are needed, but for scans (render/scan.hpp).
-std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan);
+/// Compiles the steps of STAGES that are needed, but for scans (render/scan.hpp). `rays`: RAYS_SOFTWARE,
+/// RAYS_HOST.
+std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, uint32_t rays);
 
 /// Records a dispatch of a step over its queue of the bounce, with the exact count that `queue_heads` hold.
 void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry,

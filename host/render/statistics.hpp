@@ -14,6 +14,7 @@ namespace regulus::render {
 struct StageStatistics {
   uint64_t dispatches = 0;
   double device_ms = 0;
+  double host_ms = 0;  ///< of rays traced by the host
 };
 
 /// Of what was handed to the device at once (render/work_queue.hpp).
@@ -34,11 +35,12 @@ struct RenderStatistics {
   uint64_t traversal_overruns = 0;           ///< rays whose traversal hit its step bound: bugs
   uint64_t forgotten_media = 0;              ///< solids that paths forgot, inside of more than MEDIA_SET_SIZE
   SubmissionStatistics submissions;
-  uint32_t wave_capacity = 0;   ///< path slots
-  uint64_t bytes_per_path = 0;  ///< device memory per path in flight
-  uint64_t resumed_paths = 0;   ///< of `paths`, those that Renderer::resume() brought along
-  double render_seconds = 0;    ///< wall time in render()
-  double device_seconds = 0;    ///< sum over stages
+  uint32_t rays = interface::RAYS_SOFTWARE;  ///< RAYS_*, never _AUTO
+  uint32_t wave_capacity = 0;                ///< path slots
+  uint64_t bytes_per_path = 0;               ///< device memory per path in flight
+  uint64_t resumed_paths = 0;                ///< of `paths`, those that Renderer::resume() brought along
+  double render_seconds = 0;                 ///< wall time in render()
+  double device_seconds = 0;                 ///< sum over stages
 
   uint64_t closest_rays() const {
     return camera_items[interface::QUEUE_RAYS] + light_items[interface::QUEUE_RAYS];

@@ -1,6 +1,8 @@
 #include "render/wave_core.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <span>
 
 namespace regulus::render {
 
@@ -34,11 +36,12 @@ bool has_shader(const PipelineStep& entry, std::string_view shader) {
 }  // namespace
 
 WaveCore::WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
-                   const WavefrontBuffers& buffers, const Plan& plan)
+                   const WavefrontBuffers& buffers, const Plan& plan, HostRays* host_rays)
     : device_(device),
       work_(work),
       pipeline_(pipeline),
       buffers_(buffers),
+      host_rays_(host_rays),
       max_depth_(plan.max_depth),
       connections_(pairs_per_path(plan)),
       has_merges_((plan.techniques & TECHNIQUE_MERGE) != 0) {}
@@ -55,7 +58,7 @@ bool WaveCore::run(Pass pass, const StageArguments& arguments, uint64_t reach) {
   const uint32_t bounces = pass == Pass::Light ? std::max(max_depth_, 2u) - 1 : max_depth_;
   StageArguments own = arguments;
   for (own.bounce = 0; own.bounce < bounces && live > 0; ++own.bounce) {
-    if (own.bounce > 0 && own.bounce % BOUNCES_BETWEEN_COUNTS == 0)
+    if (own.bounce > 0 && (host_rays_ != nullptr || own.bounce % BOUNCES_BETWEEN_COUNTS == 0))
       live = read_heads(own.bounce)[QUEUE_RAYS].count;
     if (work_.is_cancelled()) return false;
     run_bounce(pass, own, live, pass == Pass::Camera ? reach : 0);
@@ -69,7 +72,7 @@ bool WaveCore::run(Pass pass, const StageArguments& arguments, uint64_t reach) {
   return true;
 }
 
-// Every step of the pass that runs to this extent. Queues are dispatched indirectly with exact counts.
+// Every step of the pass that runs to this extent, but for bounces.
 void WaveCore::record(gpu::CommandList& commands, Pass pass, Extent extent, const StageArguments& arguments) {
   std::string_view previous_shader;
   for (const PipelineStep& entry : pipeline_) {
@@ -78,11 +81,31 @@ void WaveCore::record(gpu::CommandList& commands, Pass pass, Extent extent, cons
     previous_shader = entry.step.shader;
     if (extent == Extent::Once)
       commands.dispatch(entry.kernel, gpu::bytes_of(arguments), 1);
-    else if (extent == Extent::WaveStart || extent == Extent::WaveEnd)
-      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(arguments.wave_paths));
     else
-      record_over_queue(commands, entry, arguments, buffers_.queue_heads);
+      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(arguments.wave_paths));
   }
+}
+
+// Every step of a bounce. Queues are dispatched indirectly with exact counts.
+void WaveCore::record_bounce(Pass pass, const StageArguments& arguments, uint64_t items) {
+  gpu::CommandList* commands = &work_.room_for(items);
+  std::string_view previous_shader;
+  for (const PipelineStep& entry : pipeline_) {
+    if (entry.step.pass != pass || entry.step.extent != Extent::Bounce) continue;
+    if (trace_on_host(entry.step, arguments.bounce)) commands = &work_.room_for(items);
+    if (!entry.kernel.impl) continue;
+    if (has_shader(entry, previous_shader)) commands->independent();
+    previous_shader = entry.step.shader;
+    record_over_queue(*commands, entry, arguments, buffers_.queue_heads);
+  }
+}
+
+// If rays of the step are the host's: traces them, once all that was recorded before has run.
+bool WaveCore::trace_on_host(const StageStep& step, uint32_t bounce) {
+  if (host_rays_ == nullptr || !HostRays::traces(step)) return false;
+  work_.finish();
+  host_rays_->trace(step, bounce);
+  return true;
 }
 
 // Rays only grow fewer from bounce to bounce: `live` bounds what the bounce can make.
@@ -94,7 +117,7 @@ void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, ui
   const uint64_t others = ITEMS_PER_PATH * live + connect_items;
   const uint64_t all = others + (merges ? merge_items(live, live * reach) : 0);
   if (is_reach_short && all <= work_.bound())
-    record(work_.room_for(all), pass, Extent::Bounce, arguments);
+    record_bounce(pass, arguments, all);
   else
     run_counted_bounce(pass, arguments, live, merges, reach);
 }
@@ -102,17 +125,19 @@ void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, ui
 // What may be too much for a submission is counted, once it is known what it is, and cut.
 void WaveCore::run_counted_bounce(Pass pass, const StageArguments& arguments, uint64_t live,
                                   bool counts_merges, uint64_t reach) {
-  gpu::CommandList& walk = work_.room_for(ITEMS_PER_PATH * live);
-  if (counts_merges) walk.fill(buffers_.light_vertex_count, UNITS_OFFSET, sizeof(uint32_t), 0);
+  gpu::CommandList* walk = &work_.room_for(ITEMS_PER_PATH * live);
+  if (counts_merges) walk->fill(buffers_.light_vertex_count, UNITS_OFFSET, sizeof(uint32_t), 0);
   std::string_view previous_shader;
   for (const PipelineStep& entry : pipeline_) {
     const bool is_walk = entry.step.extent == Extent::Bounce && !has_shader(entry, "connect") &&
                          !has_shader(entry, "trace_visibility") && !has_shader(entry, "merge");
     if (entry.step.pass != pass || !(is_walk || (counts_merges && entry.step.extent == Extent::MergeCount)))
       continue;
-    if (has_shader(entry, previous_shader)) walk.independent();
+    if (trace_on_host(entry.step, arguments.bounce)) walk = &work_.room_for(ITEMS_PER_PATH * live);
+    if (!entry.kernel.impl) continue;
+    if (has_shader(entry, previous_shader)) walk->independent();
     previous_shader = entry.step.shader;
-    record_over_queue(walk, entry, arguments, buffers_.queue_heads);
+    record_over_queue(*walk, entry, arguments, buffers_.queue_heads);
   }
   Heads heads = read_heads(arguments.bounce);
   const uint64_t units =
@@ -130,6 +155,7 @@ void WaveCore::run_counted_bounce(Pass pass, const StageArguments& arguments, ui
 void WaveCore::run_over_queue(std::string_view shader, StageArguments arguments, const Heads& heads) {
   for (const PipelineStep& entry : pipeline_) {
     if (!has_shader(entry, shader)) continue;
+    trace_on_host(entry.step, arguments.bounce);
     const uint64_t count = heads[entry.step.queue].count;
     for (uint64_t first = 0, items = 0; first < count && !work_.is_cancelled(); first += items) {
       items = std::min(work_.bound(), count - first);
@@ -163,11 +189,13 @@ void WaveCore::run_merges(StageArguments arguments, const Heads& heads, uint64_t
 
 WaveCore::Heads WaveCore::read_heads(uint32_t bounce) {
   work_.finish();
-  const auto heads = gpu::download_all<QueueHead>(device_, buffers_.queue_heads, QUEUES_PER_BOUNCE,
-                                                  uint64_t{bounce} * QUEUES_PER_BOUNCE * sizeof(QueueHead));
-  Heads result;
-  std::ranges::copy(heads, result.begin());
-  return result;
+  Heads heads;
+  const uint64_t offset = uint64_t{bounce} * sizeof(heads);
+  if (const std::byte* in_place = buffers_.queue_heads.host())
+    std::memcpy(heads.data(), in_place + offset, sizeof(heads));
+  else
+    device_.download(buffers_.queue_heads, offset, std::as_writable_bytes(std::span(heads)));
+  return heads;
 }
 
 }  // namespace regulus::render

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "gpu/gpu.hpp"
+#include "render/host_rays.hpp"
 #include "render/stages.hpp"
 #include "render/wavefront_buffers.hpp"
 #include "render/work_queue.hpp"
@@ -19,9 +20,10 @@ inline constexpr uint64_t ITEMS_PER_PATH = 4;
 
 class WaveCore {
  public:
-  /// All must outlive the object.
+  /// All must outlive the object. `host_rays`: traces rays instead of kernels, which the pipeline then lacks;
+  /// may be null.
   WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
-           const WavefrontBuffers& buffers, const Plan& plan);
+           const WavefrontBuffers& buffers, const Plan& plan, HostRays* host_rays);
 
   /// Runs all steps of a light or camera pass over arguments.wave_paths paths. `reach`: most light vertices
   /// that one camera vertex may look at in a merge. False if the wave was not recorded to its end because the
@@ -36,6 +38,8 @@ class WaveCore {
   using Heads = std::array<interface::QueueHead, interface::QUEUES_PER_BOUNCE>;
   void record(gpu::CommandList& commands, Pass pass, Extent extent,
               const interface::StageArguments& arguments);
+  void record_bounce(Pass pass, const interface::StageArguments& arguments, uint64_t items);
+  bool trace_on_host(const StageStep& step, uint32_t bounce);
   void run_bounce(Pass pass, interface::StageArguments arguments, uint64_t live, uint64_t reach);
   void run_counted_bounce(Pass pass, const interface::StageArguments& arguments, uint64_t live,
                           bool counts_merges, uint64_t reach);
@@ -47,6 +51,7 @@ class WaveCore {
   WorkQueue& work_;
   const std::vector<PipelineStep>& pipeline_;
   const WavefrontBuffers& buffers_;
+  HostRays* host_rays_;
   uint32_t max_depth_;
   uint64_t connections_;  // most of one path in a bounce
   bool has_merges_;

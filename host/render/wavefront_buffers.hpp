@@ -48,6 +48,7 @@ class WavefrontBuffers {
 
  private:
   friend class StageRecorder;  // reads the queues between stages
+  friend class HostRays;       // a stage itself
   void create_path_buffers(gpu::Device& device, const Plan& plan);
   void create_media_buffers(gpu::Device& device, const Plan& plan);
   void create_strategy_buffers(gpu::Device& device, const Plan& plan);

@@ -30,6 +30,12 @@ REGULUS_CONSTANT SPEC_LIGHT_SAMPLING = 16u;  // LIGHT_SAMPLING_*
 REGULUS_CONSTANT SPEC_STRATEGIES = 17u;      // 1: each strategy has images of its own (lib/strategies.glsl)
 REGULUS_CONSTANT SPEC_FILM_EXPONENT = 18u;    // of the unit of the film's sums, signed
 REGULUS_CONSTANT SPEC_SQUARE_EXPONENT = 19u;  // of the unit of its sums of squares, signed
+REGULUS_CONSTANT SPEC_RAYS = 20u;             // RAYS_*: who has traced the segments of candidates
+
+// Who traces rays.
+REGULUS_CONSTANT RAYS_SOFTWARE = 0u;  // kernels (lib/traversal.glsl)
+REGULUS_CONSTANT RAYS_HOST = 1u;      // host code, in the memory of a software device; blocked segments get a negative t_max
+REGULUS_CONSTANT RAYS_AUTO = 2u;      // decided before kernels are built: no kernel sees it
 
 // How next-event estimation chooses a light. Light paths always start by power.
 REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;

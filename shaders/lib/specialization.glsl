@@ -24,5 +24,6 @@ layout(constant_id = SPEC_LIGHT_SAMPLING) const uint spec_light_sampling = LIGHT
 layout(constant_id = SPEC_STRATEGIES) const uint spec_strategies = 0u;
 layout(constant_id = SPEC_FILM_EXPONENT) const int spec_film_exponent = 0;
 layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
+layout(constant_id = SPEC_RAYS) const uint spec_rays = RAYS_SOFTWARE;
 
 #endif

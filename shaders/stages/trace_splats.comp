@@ -14,7 +14,9 @@ void main() {
   Frame frame = FRAME;
   SplatCandidate splat = LOAD(SplatBuffer, frame.splats, i);
   bool occluded;
-  if (has_contacts())
+  if (spec_rays == RAYS_HOST)
+    occluded = splat.segment.t_max < 0.0;
+  else if (has_contacts())
     occluded = is_segment_occluded(frame, splat.segment, LOAD(PathMediaBuffer, frame.splat_media, i));
   else
     occluded = trace_any(frame.bvh_nodes, frame.bvh_triangles, splat.segment.origin, splat.segment.direction,

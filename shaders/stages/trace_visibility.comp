@@ -13,7 +13,9 @@ void main() {
   if (i >= queue_count(QUEUE_VISIBILITY)) return;
   VisibilityCandidate candidate = LOAD(CandidateBuffer, FRAME.candidates, i);
   bool occluded;
-  if (has_contacts())
+  if (spec_rays == RAYS_HOST)
+    occluded = candidate.t_max < 0.0;
+  else if (has_contacts())
     occluded = is_segment_occluded(FRAME, candidate, LOAD(PathMediaBuffer, FRAME.candidate_media, i));
   else
     occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);

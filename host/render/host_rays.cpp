@@ -1,0 +1,150 @@
+#include "render/host_rays.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+
+#include "base/error.hpp"
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+constexpr uint32_t RAYS_AT_ONCE = 512;  // of a thread
+constexpr float ENDLESS = 3.4e38F;
+
+std::string why_not_on_host(const gpu::DeviceInfo& device, const Plan& plan) {
+  if (device.kind != gpu::DeviceKind::Software)
+    return fmt::format("device {} does not work in the host's memory", device.name);
+  const char* why_not = rays::SceneQuery::why_not(plan.features);
+  return why_not == nullptr ? "" : why_not;
+}
+
+template <typename T>
+T* contents(const gpu::Buffer& buffer) {
+  return reinterpret_cast<T*>(buffer.host());
+}
+
+// Path slots on their way into a queue. (Nothing is allocated: threads that share a loop must not throw.)
+class Slots {
+ public:
+  void add(uint32_t slot) { slots_[count_++] = slot; }
+  void append_to(QueueHead& head, uint32_t* queue) const {
+    if (count_ == 0) return;
+    const uint32_t first = std::atomic_ref(head.count).fetch_add(count_);
+    std::copy_n(slots_.begin(), count_, queue + first);
+  }
+
+ private:
+  std::array<uint32_t, RAYS_AT_ONCE> slots_;
+  uint32_t count_ = 0;
+};
+
+void set_groups(QueueHead& head) {
+  head.groups_x = (head.count + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE;
+}
+
+VisibilityCandidate& segment_of(VisibilityCandidate& candidate) {
+  return candidate;
+}
+VisibilityCandidate& segment_of(SplatCandidate& candidate) {
+  return candidate.segment;
+}
+
+}  // namespace
+
+uint32_t resolve_rays(const gpu::DeviceInfo& device, const Plan& plan) {
+  if (plan.rays == RAYS_SOFTWARE) return RAYS_SOFTWARE;
+  const std::string why_not = why_not_on_host(device, plan);
+  if (why_not.empty()) return RAYS_HOST;
+  if (plan.rays == RAYS_HOST)
+    throw Error(ExitStatus::BadUsage, fmt::format("--rays host: {}; use --rays software", why_not));
+  return RAYS_SOFTWARE;
+}
+
+HostRays::HostRays(const PreparedScene& prepared, const Plan& plan, const WavefrontBuffers& buffers,
+                   RenderStatistics& statistics)
+    : query_(prepared),
+      buffers_(buffers),
+      statistics_(statistics),
+      has_escapes_((plan.features.bits & FEATURE_ENVIRONMENT) != 0 && (plan.techniques & TECHNIQUE_HIT) != 0),
+      capacity_(buffers.frame_.wave_capacity) {}
+
+bool HostRays::traces(const StageStep& step) {
+  const std::string_view shader = step.shader;
+  return shader == "trace_closest" || shader == "trace_visibility" || shader == "trace_splats";
+}
+
+bool HostRays::needs_kernel(const StageStep& step) {
+  return std::string_view(step.shader) != "trace_closest";
+}
+
+void HostRays::trace(const StageStep& step, uint32_t bounce) {
+  const auto begin = std::chrono::steady_clock::now();
+  const uint32_t count = heads_of(bounce)[step.queue].count;
+  if (step.queue == QUEUE_RAYS)
+    trace_closest(step.pass, bounce);
+  else if (step.queue == QUEUE_VISIBILITY)
+    trace_segments<VisibilityCandidate>(buffers_.candidates_, count);
+  else
+    trace_segments<SplatCandidate>(buffers_.splats_, count);
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
+  StageStatistics& stage = statistics_.stages[step.name];
+  stage.host_ms += took.count();
+  if (!needs_kernel(step)) ++stage.dispatches;
+}
+
+QueueHead* HostRays::heads_of(uint32_t bounce) const {
+  return contents<QueueHead>(buffers_.queue_heads) + uint64_t{bounce} * QUEUES_PER_BOUNCE;
+}
+
+// What shaders/stages/trace_closest.comp does.
+void HostRays::trace_closest(Pass pass, uint32_t bounce) {
+  QueueHead* heads = heads_of(bounce);
+  const uint32_t* queue = contents<uint32_t>(buffers_.ray_queues_) + uint64_t{bounce & 1} * capacity_;
+  const Path* paths = contents<Path>(buffers_.paths_);
+  Hit* hits = contents<Hit>(buffers_.hits_);
+  const bool has_escapes = has_escapes_ && pass == Pass::Camera;
+  workers_.run(heads[QUEUE_RAYS].count, RAYS_AT_ONCE, [&](uint32_t begin, uint32_t end) {
+    std::array<Slots, MATERIAL_CLASS_COUNT> met;
+    Slots escaped;
+    for (uint32_t i = begin; i < end; ++i) {
+      const uint32_t slot = queue[i];
+      uint32_t tag = 0;
+      const Hit hit = query_.closest(paths[slot].origin, paths[slot].direction, ENDLESS, tag);
+      if (hit.triangle == INVALID_INDEX) {
+        escaped.add(slot);
+        continue;
+      }
+      hits[slot] = hit;
+      met[tag & 0xFF].add(slot);
+    }
+    for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c)
+      met[c].append_to(heads[QUEUE_BOUNCE + c],
+                       contents<uint32_t>(buffers_.bounce_queues_) + uint64_t{c} * capacity_);
+    if (has_escapes) escaped.append_to(heads[QUEUE_ESCAPED], contents<uint32_t>(buffers_.escaped_));
+  });
+  for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c) set_groups(heads[QUEUE_BOUNCE + c]);
+  set_groups(heads[QUEUE_ESCAPED]);
+}
+
+template <typename Candidate>
+void HostRays::trace_segments(const gpu::Buffer& candidates, uint32_t count) {
+  auto* all = contents<Candidate>(candidates);
+  workers_.run(count, RAYS_AT_ONCE, [&](uint32_t begin, uint32_t end) {
+    for (uint32_t i = begin; i < end; ++i) {
+      VisibilityCandidate& segment = segment_of(all[i]);
+      if (!query_.is_open(segment.origin, segment.direction, segment.t_max))
+        segment.t_max = -1;
+      else if (segment.t_max < 0)
+        segment.t_max = 0;
+    }
+  });
+}
+
+}  // namespace regulus::render

@@ -1,0 +1,53 @@
+// Rays traced by host code in the memory of a software device, which is the host's: the ray stages beside the
+// kernels.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+#include "prepared/prepared_scene.hpp"
+#include "rays/scene_query.hpp"
+#include "render/plan.hpp"
+#include "render/stages.hpp"
+#include "render/statistics.hpp"
+#include "render/wavefront_buffers.hpp"
+#include "render/workers.hpp"
+
+namespace regulus::render {
+
+/// RAYS_SOFTWARE or RAYS_HOST as the plan asks for it; RAYS_AUTO is the host's where device and scene allow.
+/// @throws regulus::Error (BadUsage) if the host is asked for and cannot, with the reason
+uint32_t resolve_rays(const gpu::DeviceInfo& device, const Plan& plan);
+
+class HostRays {
+ public:
+  /// All must outlive the object. Precondition: resolve_rays() says RAYS_HOST.
+  HostRays(const PreparedScene& prepared, const Plan& plan, const WavefrontBuffers& buffers,
+           RenderStatistics& statistics);
+
+  /// Whether rays of the step are traced here, and whether a kernel does the rest of it.
+  static bool traces(const StageStep& step);
+  static bool needs_kernel(const StageStep& step);
+
+  /// Traces the queue of the step and bounce. Whole steps: hits are written and their paths put into the
+  /// queues of what they have met. With a kernel: segments that are blocked get a t_max of -1. Precondition:
+  /// nothing that uses the buffers is in flight.
+  void trace(const StageStep& step, uint32_t bounce);
+
+ private:
+  void trace_closest(Pass pass, uint32_t bounce);
+  template <typename Candidate>
+  void trace_segments(const gpu::Buffer& candidates, uint32_t count);
+  interface::QueueHead* heads_of(uint32_t bounce) const;
+
+  rays::SceneQuery query_;
+  const WavefrontBuffers& buffers_;
+  RenderStatistics& statistics_;
+  bool has_escapes_;  ///< camera rays that meet nothing are queued
+  uint32_t capacity_;
+  Workers workers_;
+};
+
+}  // namespace regulus::render
