@@ -132,7 +132,10 @@ void Renderer::resume(const std::filesystem::path& path) {
 Outcome Renderer::render(const Progress& progress) {
   const Plan::Impl& plan = impl_->plan.impl();
   gpu::Device* device = impl_->device.impl().device ? &*impl_->device.impl().device : nullptr;
-  if (impl_->result.renderer) impl_->job.earlier = impl_->result.renderer->film();
+  if (impl_->result.renderer) {
+    const render::Renderer& before = *impl_->result.renderer;
+    impl_->job.earlier = session::Earlier{before.film(), before.statistics().rays};
+  }
   impl_->result = {};
   ProgressWatcher watcher(progress);
   impl_->result = session::render(*plan.prepared, plan.plan, impl_->job, device, watcher);

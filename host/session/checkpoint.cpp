@@ -6,9 +6,24 @@
 #include <new>
 
 #include "base/error.hpp"
+#include "render/names.hpp"
 #include "session/record.hpp"
 
 namespace regulus::session {
+
+namespace {
+
+constexpr const char* RAYS = "regulus:rays";
+
+// Who is to trace rays: who has traced those of the part, unless something else is asked for.
+uint32_t rays_of(const Part& part, const render::Plan& plan) {
+  const auto recorded = part.contents.attributes.find(RAYS);
+  if (plan.rays != interface::RAYS_AUTO || recorded == part.contents.attributes.end()) return plan.rays;
+  const render::Name* found = render::find_name(render::names::RAYS, recorded->second);
+  return found == nullptr ? plan.rays : found->value;
+}
+
+}  // namespace
 
 void Checkpoint::update(const render::Film& film) {
   const auto now = Clock::now();
@@ -39,10 +54,12 @@ void Checkpoint::try_to_write(const render::Film& film, const char* what_next) {
   last_problem_ = problem;
 }
 
-render::Film read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
-                             const render::Plan& plan) {
+Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene, const render::Plan& plan) {
   const Part part = read_part(path);
-  require_same_render(path.string(), part.contents.attributes, "this render", scene_attributes(scene, plan));
+  const uint32_t rays = rays_of(part, plan);
+  image::Attributes own = scene_attributes(scene, plan);
+  own[RAYS] = name_of(render::names::RAYS, rays);
+  require_same_render(path.string(), part.contents.attributes, "this render", own);
   if (part.ranges.size() != 1 || part.ranges.front().first != plan.first_sample)
     throw Error(ErrorCode::BadFile,
                 fmt::format("{}: holds other samples than those from {} on; name another file", path.string(),
@@ -54,7 +71,7 @@ render::Film read_checkpoint(const std::filesystem::path& path, const scene::Sce
   if (part.film.paths > window.pixels() * plan.samples)
     throw Error(ErrorCode::BadUsage, fmt::format("{}: holds {} samples per pixel, more than the {} asked for",
                                                  path.string(), part.film.samples(0), plan.samples));
-  return part.film;
+  return {part.film, rays};
 }
 
 void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film) {

@@ -42,11 +42,16 @@ class Checkpoint {
   std::string last_problem_;  ///< of the last attempt; empty: it was written
 };
 
-/// The film in a checkpoint, to go on from by this plan.
+/// What a render goes on from.
+struct Earlier {
+  render::Film film;
+  uint32_t rays;  ///< RAYS_*: who traced them so far, and does from now on
+};
+
+/// The state in a checkpoint, to go on from by this plan. RAYS_AUTO become those of the checkpoint.
 /// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
 /// asked for
-render::Film read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
-                             const render::Plan& plan);
+Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene, const render::Plan& plan);
 
 /// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
 /// renderer's

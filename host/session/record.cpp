@@ -126,6 +126,7 @@ nlohmann::json stages_json(const render::Plan& plan, const render::RenderStatist
                       {"dispatches", stage.dispatches},
                       {"items", items},
                       {"device_ms", stage.device_ms},
+                      {"host_ms", stage.host_ms},
                       {"skipped", is_skipped}});
   }
   return stages;
@@ -176,7 +177,10 @@ nlohmann::json render_statistics(const gpu::Device& device, const PreparedScene&
             {"cpu", process_cpu_seconds()}}},
           {"stages", stages_json(plan, statistics)},
           {"kernels", kernels_json(device)},
-          {"rays", {{"closest", statistics.closest_rays()}, {"visibility", statistics.visibility_rays()}}},
+          {"rays",
+           {{"by", name_of(names::RAYS, statistics.rays)},
+            {"closest", statistics.closest_rays()},
+            {"visibility", statistics.visibility_rays()}}},
           {"spp_done", statistics.paths / pixels},
           {"samples", statistics.paths},
           {"light_paths", statistics.light_paths},
@@ -228,6 +232,7 @@ image::Attributes image_attributes(const gpu::Device& device, const scene::Scene
                                    const render::Plan& plan, const render::Renderer& renderer) {
   image::Attributes attributes = scene_attributes(scene, plan);
   attributes["regulus:samples_done"] = std::to_string(renderer.statistics().paths / plan.window().pixels());
+  attributes["regulus:rays"] = name_of(names::RAYS, renderer.statistics().rays);
   attributes["regulus:device"] = device.info().name;
   attributes["regulus:driver"] = device.info().driver;
   attributes["regulus:render_seconds"] = fmt::format("{:.3f}", renderer.statistics().render_seconds);

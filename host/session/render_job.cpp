@@ -149,11 +149,13 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
                          gpu::Device& device, Watcher& watcher) {
   require_film_memory(plan.asked, job.holds_sums || !job.checkpoint.empty(), false, job.memory_bytes);
   Result result;
-  result.renderer = std::make_unique<render::Renderer>(device, prepared, plan);
+  render::Plan own = plan;
+  if (job.earlier) own.rays = job.earlier->rays;
+  result.renderer = std::make_unique<render::Renderer>(device, prepared, own);
   render::Renderer& renderer = *result.renderer;
   LoadTimes times = job.times;
   times.pipeline_seconds = device.pipeline_seconds();
-  if (job.earlier) resume(renderer, job.checkpoint, *job.earlier);
+  if (job.earlier) resume(renderer, job.checkpoint, job.earlier->film);
   const auto attributes = [&] { return image_attributes(device, prepared.scene, plan, renderer); };
   Checkpoint checkpoint(
       job.checkpoint, job.checkpoint_seconds,

@@ -17,6 +17,7 @@
 #include "image/image.hpp"
 #include "prepared/prepared_scene.hpp"
 #include "render/renderer.hpp"
+#include "session/checkpoint.hpp"
 #include "session/record.hpp"
 
 namespace regulus::session {
@@ -30,7 +31,7 @@ struct Job {
   bool holds_sums = false;              ///< it is to be written as a part (session/part.hpp)
   std::filesystem::path checkpoint;     ///< where its state is written now and then; empty: nowhere
   double checkpoint_seconds = 60;       ///< between two states
-  std::optional<render::Film> earlier;  ///< what an earlier render of this plan left (read_checkpoint)
+  std::optional<Earlier> earlier;  ///< what an earlier render of this plan left (read_checkpoint)
   LoadTimes times;                      ///< for the statistics
 };
 

@@ -161,6 +161,7 @@ std::vector<Setting> make_table() {
       {"energy-compensation", "true or false", flag(&RenderSettings::has_energy_compensation)},
       {"filter", list_of(names::FILTER), choice(&RenderSettings::filter, names::FILTER)},
       {"filter-radius", "pixels, 0 to 16", number_in(&Request::filter_radius, 0, 16)},
+      {"rays", list_of(names::RAYS), choice(&RenderSettings::rays, names::RAYS)},
       {"wave", "paths in flight, 0: chosen for the device",
        whole(&RenderSettings::wave_paths, 0, UINT32_MAX)},
       {"band", "pixels rendered at once, 0: as the device's buffers hold",
@@ -169,7 +170,7 @@ std::vector<Setting> make_table() {
 }
 
 // Which samples, and how they are rendered: not a scene's business.
-const std::set<std::string_view> NOT_OF_SCENES = {"samples", "wave"};
+const std::set<std::string_view> NOT_OF_SCENES = {"samples", "rays", "wave"};
 // What the loader reads of scenes[].extras.regulus, and what only the command line has.
 const std::set<std::string_view> READ_ELSEWHERE = {"environment", "variant", "animation", "at",
                                                    "frames",      "fps",     "exposure"};

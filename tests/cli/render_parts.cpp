@@ -310,6 +310,27 @@ TEST_F(RenderParts, CheckpointsOfOtherRendersAreRefusedByName) {
   EXPECT_FALSE(fs::exists(file("y.exr")));
 }
 
+// Who traces rays decides ties: what one has begun the same one goes on with.
+TEST_F(RenderParts, RaysAreThoseOfTheRecord) {
+  if (device()->info().kind != gpu::DeviceKind::Software) GTEST_SKIP() << "not a software device";
+  const auto rays_in = [&](const std::string& name) { return contents(name).attributes.at("regulus:rays"); };
+  render("auto.exr", {"--samples", "0:1", "--rays", "auto"});
+  render("host.exr", {"--samples", "1:1", "--rays", "host"});
+  render("kernels.exr", {"--samples", "1:1", "--rays", "software"});
+  EXPECT_EQ(rays_in("auto.exr"), "host");
+  EXPECT_EQ(rays_in("kernels.exr"), "software");
+  EXPECT_EQ(run({"merge", file("sum.exr"), file("auto.exr"), file("host.exr")}).status, 0);
+  expect_error(run({"merge", file("sum2.exr"), file("auto.exr"), file("kernels.exr")}), 3,
+               {"rays is host and software"});
+
+  render("x.exr", {"-s", "1", "--checkpoint", file("state.exr"), "--rays", "software"});
+  render("x.exr", {"-s", "2", "--checkpoint", file("state.exr"), "--resume", "--rays", "auto"});
+  EXPECT_EQ(rays_in("x.exr"), "software");
+  expect_error(
+      run(command("x.exr", {"-s", "3", "--checkpoint", file("state.exr"), "--resume", "--rays", "host"})), 3,
+      {"state.exr", "rays is software and host"});
+}
+
 // The folder of the checkpoint goes away, or there never is room: the render warns, goes on, and is written.
 TEST_F(RenderParts, ACheckpointThatCannotBeWrittenIsAWarning) {
   Arguments arguments = command("x.exr", {"-s", "2", "--checkpoint", "/dev/full", "--resume"});
