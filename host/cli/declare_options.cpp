@@ -230,9 +230,10 @@ void declare_device(CLI::App& command, RenderOptions& options) {
       ->check(one_of({"vulkan", "reference"}))
       ->capture_default_str();
   add_memory_option(command, options.memory_bytes);
-  add_setting(command, options, "--rays",
-              "Who traces rays: kernels (software), Embree in the memory of a software device (host), or auto, "
-              "which is host where device and scene allow")
+  add_setting(
+      command, options, "--rays",
+      "Who traces rays: kernels (software), Embree in the memory of a software device (host), or auto, "
+      "which is host where device and scene allow")
       ->type_name(listed(names::RAYS))
       ->default_str("software");
   add_setting(command, options, "--wave",

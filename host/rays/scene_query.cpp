@@ -126,7 +126,7 @@ struct SceneQuery::Impl {
     for (const Instance& copy : scene.instances) attach_copy(copy);
     rtcCommitScene(world.scene.get());
     if (const RTCError error = rtcGetDeviceError(device.get()); error != RTC_ERROR_NONE)
-      throw Error(ExitStatus::Failed,
+      throw Error(ErrorCode::Failed,
                   error == RTC_ERROR_OUT_OF_MEMORY
                       ? "no memory for the acceleration structure of --rays host; use --rays software"
                       : "Embree cannot build the acceleration structure of --rays host; use --rays software");

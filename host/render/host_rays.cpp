@@ -63,7 +63,7 @@ uint32_t resolve_rays(const gpu::DeviceInfo& device, const Plan& plan) {
   const std::string why_not = why_not_on_host(device, plan);
   if (why_not.empty()) return RAYS_HOST;
   if (plan.rays == RAYS_HOST)
-    throw Error(ExitStatus::BadUsage, fmt::format("--rays host: {}; use --rays software", why_not));
+    throw Error(ErrorCode::BadUsage, fmt::format("--rays host: {}; use --rays software", why_not));
   return RAYS_SOFTWARE;
 }
 

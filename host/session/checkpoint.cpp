@@ -54,7 +54,8 @@ void Checkpoint::try_to_write(const render::Film& film, const char* what_next) {
   last_problem_ = problem;
 }
 
-Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene, const render::Plan& plan) {
+Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
+                        const render::Plan& plan) {
   const Part part = read_part(path);
   const uint32_t rays = rays_of(part, plan);
   image::Attributes own = scene_attributes(scene, plan);

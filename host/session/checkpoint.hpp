@@ -51,7 +51,8 @@ struct Earlier {
 /// The state in a checkpoint, to go on from by this plan. RAYS_AUTO become those of the checkpoint.
 /// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
 /// asked for
-Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene, const render::Plan& plan);
+Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
+                        const render::Plan& plan);
 
 /// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
 /// renderer's

@@ -24,15 +24,15 @@ namespace regulus::session {
 
 /// What a render is asked for besides its plan. Nothing of it changes a sample.
 struct Job {
-  std::optional<double> time_limit;     ///< seconds of rendering; every pixel gets one sample all the same
-  std::optional<double> noise_target;   ///< see render::NoiseEstimate; needs plan.keeps_doublings
-  uint64_t band_pixels = 0;             ///< rendered at once, at most; 0: what the device's buffers hold
-  uint64_t memory_bytes = 0;            ///< of the host; 0: the default
-  bool holds_sums = false;              ///< it is to be written as a part (session/part.hpp)
-  std::filesystem::path checkpoint;     ///< where its state is written now and then; empty: nowhere
-  double checkpoint_seconds = 60;       ///< between two states
-  std::optional<Earlier> earlier;  ///< what an earlier render of this plan left (read_checkpoint)
-  LoadTimes times;                      ///< for the statistics
+  std::optional<double> time_limit;    ///< seconds of rendering; every pixel gets one sample all the same
+  std::optional<double> noise_target;  ///< see render::NoiseEstimate; needs plan.keeps_doublings
+  uint64_t band_pixels = 0;            ///< rendered at once, at most; 0: what the device's buffers hold
+  uint64_t memory_bytes = 0;           ///< of the host; 0: the default
+  bool holds_sums = false;             ///< it is to be written as a part (session/part.hpp)
+  std::filesystem::path checkpoint;    ///< where its state is written now and then; empty: nowhere
+  double checkpoint_seconds = 60;      ///< between two states
+  std::optional<Earlier> earlier;      ///< what an earlier render of this plan left (read_checkpoint)
+  LoadTimes times;                     ///< for the statistics
 };
 
 /// Who follows a render. Called by the thread that renders.

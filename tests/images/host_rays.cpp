@@ -106,7 +106,7 @@ TEST_F(HostRays, ScenesWithContactsStayOnTheKernels) {
     render(scene, settings);
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.status(), ExitStatus::BadUsage);
+    EXPECT_EQ(error.code(), ErrorCode::BadUsage);
     EXPECT_NE(std::string(error.what()).find("contacts"), std::string::npos) << error.what();
   }
 }
