@@ -141,6 +141,8 @@ TEST_F(RenderParts, BandsAreThePictureOfOnePiece) {
   render("bands.exr", in_bands);
   EXPECT_TRUE(contents("whole.exr").channels == contents("bands.exr").channels);
   EXPECT_EQ(contents("bands.exr").attributes.at("regulus:samples_done"), "3");
+  EXPECT_EQ(contents("bands.exr").attributes.at("regulus:rays"),
+            contents("whole.exr").attributes.at("regulus:rays"));
   in_bands.insert(in_bands.end(), {"--crop", "3,2,20,15"});
   render("crop.exr", in_bands);
   EXPECT_EQ(contents("crop.exr").placement.y, 2u);
