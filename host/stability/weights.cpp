@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <random>
 
@@ -38,7 +37,6 @@ struct WeightsSweep {
   const char* name;
   const char* parameter;
   std::vector<WeightsCase> cases;
-  bool may_overflow = false;  ///< accumulators may leave float's range and come back
 };
 
 StabilityPath make_path(const PathKind& kind, std::mt19937_64& random) {
@@ -92,17 +90,6 @@ std::vector<Exact> exact_densities(const StabilityPath& path) {
   return densities;
 }
 
-/// Largest over smallest of all techniques that there are.
-Exact range_of(const std::vector<Exact>& densities) {
-  Exact largest = 0, smallest = std::numeric_limits<Exact>::infinity();
-  for (const Exact density : densities) {
-    if (density == 0) continue;
-    largest = std::max(largest, density);
-    smallest = std::min(smallest, density);
-  }
-  return largest / smallest;
-}
-
 /// The same by the reference's list of techniques: weights, in the same order.
 std::vector<double> reference_weights(const StabilityPath& path) {
   reference::Path finished;
@@ -136,7 +123,7 @@ std::vector<double> reference_weights(const StabilityPath& path) {
 template <typename Set>
 WeightsSweep sweep_over(const char* name, const char* parameter, const std::vector<double>& values, int paths,
                         const Set& set) {
-  WeightsSweep sweep{name, parameter, {}, false};
+  WeightsSweep sweep{name, parameter, {}};
   std::mt19937_64 random(16);
   for (const double value : values)
     for (int i = 0; i < paths; ++i) {
@@ -151,7 +138,7 @@ std::vector<WeightsSweep> weights_sweeps(Extent extent) {
   const bool is_quick = extent == Extent::Quick;
   const int paths = is_quick ? 8 : 64;
   const int points = is_quick ? 9 : 33;
-  std::vector<WeightsSweep> sweeps = {
+  return {
       sweep_over("over vertices", "edges of the path", {2, 3, 4, 8, 16, 32, 48, 64}, paths,
                  [](PathKind& kind, double edges) {
                    kind.edges = static_cast<uint32_t>(edges);
@@ -159,6 +146,12 @@ std::vector<WeightsSweep> weights_sweeps(Extent extent) {
                  }),
       sweep_over("over the range of pdfs", "largest pdf, 1/sr", in_equal_ratios(1, 1e12, points), paths,
                  [](PathKind& kind, double factor) { kind.factor = factor; }),
+      sweep_over("over the range of pdfs along 64 edges", "largest pdf, 1/sr",
+                 in_equal_ratios(1, 1e12, points), paths,
+                 [](PathKind& kind, double factor) {
+                   kind.edges = 64;
+                   kind.factor = factor;
+                 }),
       sweep_over("over drift", "pdf back over pdf forward, at each of 64 vertices",
                  in_equal_ratios(1e-12, 1e12, points), paths,
                  [](PathKind& kind, double drift) {
@@ -171,8 +164,6 @@ std::vector<WeightsSweep> weights_sweeps(Extent extent) {
       sweep_over("over the merge radius", "radius over distances", in_equal_ratios(1e-8, 10, points), paths,
                  [](PathKind& kind, double radius) { kind.merge_radius = radius; }),
   };
-  sweeps[1].may_overflow = true;
-  return sweeps;
 }
 
 std::string describe(const StabilityPath& path, uint32_t technique) {
@@ -186,7 +177,6 @@ constexpr double OWN_ERROR = STABILITY_MAX_EDGES * ROUNDINGS_PER_VERTEX * 0x1p-2
 constexpr double OWN_REFERENCE_ERROR = STABILITY_MAX_EDGES * ROUNDINGS_PER_VERTEX * 0x1p-53;
 // Weights below this carry next to nothing; floats keep 1e-38.
 constexpr double NEGLIGIBLE = 1e-12;
-constexpr Exact FLOAT_RANGE = 1e30L;  // 3e38, less what a pdf and a squared distance multiply quotients with
 
 }  // namespace
 
@@ -212,19 +202,17 @@ std::vector<Sweep> sweep_weights(gpu::Device& device, Extent extent) {
       const std::vector<double> expected = reference_weights(path);
       Exact sum = 0;
       for (const Exact density : densities) sum += density;
-      // Accumulators are sums of quotients of these: where they leave float's range, weights have no digits.
-      const Exact moved = sweep.may_overflow && range_of(densities) > FLOAT_RANGE ? Exact{1} : Exact{0};
       double device_sum = 0;
       double reference_sum = 0;
       for (uint32_t k = 0; k < STABILITY_WEIGHTS; ++k) {
         if (densities[k] == 0) continue;
         const double weight = found[i].weights[k];
-        weights.add({sweep.cases[i].parameter, weight, expected[k], densities[k] / sum, moved},
+        weights.add({sweep.cases[i].parameter, weight, expected[k], densities[k] / sum, 0},
                     [&] { return describe(path, k); });
         device_sum += weight;
         reference_sum += expected[k];
       }
-      sums.add({sweep.cases[i].parameter, device_sum, reference_sum, 1, moved},
+      sums.add({sweep.cases[i].parameter, device_sum, reference_sum, 1, 0},
                [&] { return describe(path, 0); });
     }
     all.push_back(std::move(weights));

@@ -4,7 +4,9 @@
 //   A   one over the area pdf with which the walk reached it (light vertex x_1: times p_connect / p_trace of x_0, the
 //       probabilities of choosing x_0 from x_1 by nee and for emission)
 //   B   the same over all earlier techniques, without the pdf of walking backwards from here
-// and the pdfs that enter are those of the corrected weights: multiplied by rho^/rho where a bsdf is regularized.
+// B leaves float's range where densities of techniques on the way lie 38 decades below those before: it then counts in
+// powers of 2^64 (RAISED below), so that weights add up to one however far pdfs spread.
+// The pdfs that enter are those of the corrected weights: multiplied by rho^/rho where a bsdf is regularized.
 // Pdfs use geometric normals; roulette is left out (docs/mathematics.md 9).
 #ifndef REGULUS_LIB_MIS_GLSL
 #define REGULUS_LIB_MIS_GLSL
@@ -40,12 +42,34 @@ TechniqueCounts technique_counts(Frame frame, float merge_radius) {
   return counts;
 }
 
+// An A with its sign set is that of a raised pair: the last 7 bits of the word hold k, A has the others (it errs by 2^-17
+// then), and B stands for 2^(64 k) times itself. B is below 2^64 when it is stored unraised, and 1 at least when raised.
+const uint RAISED = 0x80000000u;
+const uint RAISED_POWER = 0x7Fu;
+const float RAISED_UNIT = 1.8446744073709552e19;         // 2^64
+const float RAISED_INVERSE = 5.421010862427522e-20;      // 2^-64
+const float RAISED_MIDDLE = 4294967296.0;                // 2^32
+const float MIS_SATURATED = 1e38;                        // of ratios of densities: weights of 0
+
+// Whether B can be raised at all: without light subpaths it is 0.
+bool is_raised(float a) { return has_light_subpaths() && (floatBitsToUint(a) & RAISED) != 0u; }
+
+uint raised_power(float a) { return is_raised(a) ? floatBitsToUint(a) & RAISED_POWER : 0u; }
+
+float unraised_a(float a) { return is_raised(a) ? uintBitsToFloat(floatBitsToUint(a) & ~(RAISED | RAISED_POWER)) : a; }
+
+float raised_a(float a, uint power) {
+  uint rounded = (floatBitsToUint(a) + (RAISED_POWER + 1u) / 2u) & ~RAISED_POWER;
+  return power == 0u ? a : uintBitsToFloat(RAISED | rounded | min(power, RAISED_POWER));
+}
+
 // The accumulators of a vertex, and the count n of the technique whose edge leads to it: for a light vertex
 // x_i technique s = i, for a camera vertex x_i technique s = i + 1.
 struct MisVertex {
   float a, b;
   float n;
   float merge;  // the count of merges here
+  uint power;   // B stands for 2^(64 power) times b
 };
 
 // Cosines below this would overflow what is divided by them.
@@ -61,16 +85,17 @@ bool keeps_receivers() {
 // is_parallel: all rays of this edge run in the same direction (distant light, orthographic camera).
 void mis_arrive(inout Path path, float distance, float cos_here, bool is_parallel) {
   float inverse_cos = 1.0 / max(abs(cos_here), MIN_MIS_COS);
-  path.mis_a *= is_parallel ? inverse_cos : square(distance) * inverse_cos;
+  float scale = is_parallel ? inverse_cos : square(distance) * inverse_cos;
+  path.mis_a = raised_a(unraised_a(path.mis_a) * scale, raised_power(path.mis_a));
   path.mis_b *= inverse_cos;
 }
 
 MisVertex mis_light_vertex(TechniqueCounts counts, float a, float b, uint edges) {
-  return MisVertex(a, b, edges == 1u ? counts.nee : counts.connect, counts.merge);
+  return MisVertex(unraised_a(a), b, edges == 1u ? counts.nee : counts.connect, counts.merge, raised_power(a));
 }
 
 MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges) {
-  return MisVertex(a, b, edges == 1u ? counts.splat : counts.connect, counts.merge);
+  return MisVertex(unraised_a(a), b, edges == 1u ? counts.splat : counts.connect, counts.merge, raised_power(a));
 }
 
 // Of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that the one before it
@@ -82,9 +107,48 @@ MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light
   return mis_light_vertex(counts, accumulators.x, accumulators.y, light.edges & PATH_VERTEX_EDGES);
 }
 
-// The techniques on one side of a vertex, over the pdf of arriving at it from the other side: `pdf_back` is the
-// solid-angle pdf of walking back along the subpath. Without the merge at the vertex itself.
-float mis_subpath(MisVertex vertex, float pdf_back) { return vertex.n * vertex.a + pdf_back * vertex.b; }
+// x 2^(64 power - 32), not beyond MIS_SATURATED. power > 0
+float lowered(float x, uint power) {
+  uint exponent = min(64u * power - 32u, 252u);
+  uint half_exponent = exponent / 2u;
+  x *= uintBitsToFloat((127u + half_exponent) << 23);
+  return min(x * uintBitsToFloat((127u + exponent - half_exponent) << 23), MIS_SATURATED);
+}
+
+// `scale` times the techniques on one side of a vertex, over the pdf of arriving at it from the other side: `pdf_back` is
+// the solid-angle pdf of walking back along the subpath. `merge`: the count of merges at the vertex itself, or 0.
+float mis_side(float scale, float merge, MisVertex vertex, float pdf_back) {
+  if (!has_light_subpaths() || vertex.power == 0u) return scale * (merge + (vertex.n * vertex.a + pdf_back * vertex.b));
+  return scale * (merge + vertex.n * vertex.a) +
+         lowered(pdf_back * (vertex.b * RAISED_MIDDLE) * scale, vertex.power);
+}
+
+// What mis_scatter does where B is raised, or leaves its range: the same sum, in units of 2^(64 power).
+void mis_scatter_raised(MisVertex vertex, float inverse_pdf, float pdf_ratio, float cos_out, inout Path path) {
+  uint power = vertex.power;
+  float here = (abs(cos_out) * (inverse_pdf * RAISED_INVERSE)) * (vertex.merge + vertex.n * vertex.a);  // power 1
+  float b = vertex.b;
+  // Whatever the ratio is within 2^80, the product stays a float.
+  if (b >= RAISED_MIDDLE) {
+    b *= RAISED_INVERSE;
+    power += 1u;
+  }
+  b *= abs(cos_out) * pdf_ratio;
+  for (uint i = 0u; i < 2u && b < 1.0 && power > 1u; ++i) {
+    b *= RAISED_UNIT;
+    power -= 1u;
+  }
+  if (power == 0u) {
+    b *= RAISED_INVERSE;
+    power = 1u;
+  }
+  b += power == 1u ? here : power == 2u ? here * RAISED_INVERSE : 0.0;
+  bool is_low = b < 1.0, is_high = b >= RAISED_UNIT;
+  b *= is_low ? RAISED_UNIT : is_high ? RAISED_INVERSE : 1.0;
+  power = is_low ? power - 1u : is_high ? power + 1u : power;
+  path.mis_a = raised_a(inverse_pdf, power);
+  path.mis_b = min(b, MIS_SATURATED);
+}
 
 // After sampling the next direction: what the path carries until it arrives. inverse_pdf: one over the pdf of the
 // direction (0 for a delta event, which no connection can replace); pdf_ratio: pdf of walking back over
@@ -93,8 +157,9 @@ void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, fl
                  inout Path path) {
   path.mis_a = inverse_pdf;
   path.mis_b = 0.0;
-  if (has_light_subpaths())
-    path.mis_b = abs(cos_out) * ((vertex.merge + vertex.n * vertex.a) * inverse_pdf + pdf_ratio * vertex.b);
+  if (!has_light_subpaths()) return;
+  path.mis_b = abs(cos_out) * ((vertex.merge + vertex.n * vertex.a) * inverse_pdf + pdf_ratio * vertex.b);
+  if (vertex.power != 0u || !(path.mis_b < RAISED_UNIT)) mis_scatter_raised(vertex, inverse_pdf, pdf_ratio, cos_out, path);
 }
 
 // In the weights `copies` is how often the technique exists: once, or with `both` (lib/history.glsl) 1 + r.
@@ -102,7 +167,10 @@ void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, fl
 // s = 0. ab: the accumulators on arrival. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission, times
 // the solid-angle pdf of emitting towards the camera. nee_copies: of technique nee.
 float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float pdf_emit, float nee_copies) {
-  return 1.0 / (1.0 + counts.nee * nee_copies * pdf_connect * ab.x + pdf_emit * ab.y);
+  float connected = counts.nee * nee_copies * pdf_connect * unraised_a(ab.x);
+  uint power = raised_power(ab.x);
+  float emitted = power == 0u ? pdf_emit * ab.y : lowered(pdf_emit * (ab.y * RAISED_MIDDLE), power);
+  return 1.0 / (1.0 + connected + emitted);
 }
 
 // s = 1. hit_ratio: pdf of the bsdf hitting the light over that of nee (0 for a delta light); emission_pdf: area pdf
@@ -110,27 +178,28 @@ float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float p
 float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, float emission_pdf,
                      float pdf_towards_camera, float copies) {
   float others = counts.hit * hit_ratio;
-  if (has_light_subpaths()) others += emission_pdf * (camera.merge + mis_subpath(camera, pdf_towards_camera));
+  if (has_light_subpaths()) others += mis_side(emission_pdf, camera.merge, camera, pdf_towards_camera);
   return 1.0 / (copies + others);
 }
 
 // s, t >= 2. area_pdf_light: of the light vertex, reached from the camera vertex; area_pdf_camera: the reverse.
 float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pdf_back, float area_pdf_light,
                          MisVertex camera, float camera_pdf_back, float area_pdf_camera, float copies) {
-  float others = area_pdf_light * (light.merge + mis_subpath(light, light_pdf_back)) +
-                 area_pdf_camera * (camera.merge + mis_subpath(camera, camera_pdf_back));
+  float others = mis_side(area_pdf_light, light.merge, light, light_pdf_back) +
+                 mis_side(area_pdf_camera, camera.merge, camera, camera_pdf_back);
   return counts.connect / (counts.connect * copies + others);
 }
 
 // t = 1. camera_area_pdf: area pdf of the light vertex when the lens samples it (film density 1 per pixel area).
 float mis_weight_splat(TechniqueCounts counts, MisVertex light, float light_pdf_back, float camera_area_pdf,
                        float copies) {
-  return counts.splat / (counts.splat * copies + camera_area_pdf * (light.merge + mis_subpath(light, light_pdf_back)));
+  return counts.splat / (counts.splat * copies + mis_side(camera_area_pdf, light.merge, light, light_pdf_back));
 }
 
 float mis_weight_merge(TechniqueCounts counts, MisVertex light, float light_pdf_back, MisVertex camera,
                        float camera_pdf_back, float copies) {
-  return counts.merge / (counts.merge * copies + mis_subpath(light, light_pdf_back) + mis_subpath(camera, camera_pdf_back));
+  return counts.merge / (counts.merge * copies + mis_side(1.0, 0.0, light, light_pdf_back) +
+                         mis_side(1.0, 0.0, camera, camera_pdf_back));
 }
 
 #endif
