@@ -61,12 +61,17 @@ vk::raii::Device open(const Candidate& chosen, bool with_memory_budget, bool wit
   }
 }
 
-DriverIdentity identify(const vk::PhysicalDeviceProperties& properties) {
+DriverIdentity identify(const vk::raii::PhysicalDevice& physical) {
+  const auto all =
+      physical.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceVulkan12Properties>();
+  const vk::PhysicalDeviceProperties& properties = all.get<vk::PhysicalDeviceProperties2>().properties;
   DriverIdentity identity{.vendor = properties.vendorID,
                           .device = properties.deviceID,
                           .driver_version = properties.driverVersion};
   std::copy(properties.pipelineCacheUUID.begin(), properties.pipelineCacheUUID.end(),
             identity.cache_uuid.begin());
+  identity.keeps_special_values =
+      all.get<vk::PhysicalDeviceVulkan12Properties>().shaderSignedZeroInfNanPreserveFloat32;
   return identity;
 }
 
@@ -91,7 +96,7 @@ DeviceState::DeviceState(const DeviceOptions& options)
                                {vk::CommandPoolCreateFlagBits::eResetCommandBuffer, chosen.queue_family});
   const vk::PushConstantRange range(vk::ShaderStageFlagBits::eCompute, 0, PUSH_CONSTANT_BYTES);
   layout = vk::raii::PipelineLayout(device, vk::PipelineLayoutCreateInfo({}, {}, range));
-  driver = identify(chosen.physical.getProperties());
+  driver = identify(chosen.physical);
   if (options.pipeline_cache) cache_folder = gpu::cache_folder();
 }
 

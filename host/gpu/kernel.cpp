@@ -82,11 +82,13 @@ struct Compiled {
 /// Compiles with the help of the user's cache folder, if there is one, and leaves there what was new. Several
 /// threads may do so at once: each kernel has a driver cache and a file of its own.
 Compiled compile_cached(const DeviceState& state, const KernelDescription& description) {
-  if (state.cache_folder.empty()) return {compile(state, description, specialize(description), nullptr)};
+  const bool keeps_special_values = state.driver.keeps_special_values != 0;
+  if (state.cache_folder.empty())
+    return {compile(state, description, specialize(description, keeps_special_values), nullptr)};
   const PipelineCacheFile file(state.cache_folder, state.driver, description);
   CachedKernel known = file.load();
   const bool is_new = known.spirv.empty();
-  if (is_new) known.spirv = specialize(description);
+  if (is_new) known.spirv = specialize(description, keeps_special_values);
   const vk::raii::PipelineCache cache(
       state.device, vk::PipelineCacheCreateInfo({}, known.driver_data.size(), known.driver_data.data()));
   Compiled compiled{compile(state, description, known.spirv, cache), is_new};

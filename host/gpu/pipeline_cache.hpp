@@ -20,6 +20,7 @@ struct DriverIdentity {
   uint32_t device = 0;
   uint32_t driver_version = 0;
   std::array<uint8_t, 16> cache_uuid{};
+  uint32_t keeps_special_values = 0;  ///< kernels declare SignedZeroInfNanPreserve, see specialize.hpp
 };
 
 /// Hash of driver, shader and specialization: what a compiled pipeline depends on.

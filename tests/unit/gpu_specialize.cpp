@@ -1,62 +1,49 @@
-// What drivers get to compile: the modules of all stages, specialized.
+// What kernels declare before a driver sees them.
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <set>
-#include <span>
 #include <spirv-tools/libspirv.hpp>
-#include <string>
-#include <vector>
 
 #include "gpu/specialize.hpp"
-#include "interface/wavefront.h"
-#include "render/shaders.hpp"
-#include "render/stages.hpp"
 
-namespace regulus::test {
+namespace regulus::gpu {
 namespace {
 
-using namespace interface;
+constexpr const char* MODULE = R"(
+  OpCapability Shader
+  OpMemoryModel Logical GLSL450
+  OpEntryPoint GLCompute %main "main"
+  OpExecutionMode %main LocalSize 64 1 1
+  %void = OpTypeVoid
+  %function = OpTypeFunction %void
+  %main = OpFunction %void None %function
+  %entry = OpLabel
+  OpReturn
+  OpFunctionEnd
+)";
 
-std::set<std::string> modules() {
-  std::set<std::string> names;
-  for (const render::StageStep& step : render::STAGES)
-    for (const char* variant : {"", ".int32"}) names.insert(std::string(step.shader) + variant);
-  return names;
+std::string specialized(bool keeps_special_values) {
+  const spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
+  std::vector<uint32_t> module;
+  EXPECT_TRUE(tools.Assemble(MODULE, &module));
+  const std::vector<uint32_t> result =
+      specialize({.name = "main", .spirv = module, .constants = {}}, keeps_special_values);
+  EXPECT_TRUE(tools.Validate(result));
+  std::string text;
+  EXPECT_TRUE(tools.Disassemble(result, &text));
+  return text;
 }
 
-/// Variables that functions have, by the words of the module (SPIR-V 1.5, sections 2.3 and 3.49.8).
-size_t count_variables(std::span<const uint32_t> spirv) {
-  constexpr uint32_t OP_VARIABLE = 59, STORAGE_FUNCTION = 7, HEADER_WORDS = 5;
-  size_t count = 0;
-  for (size_t i = HEADER_WORDS; i < spirv.size(); i += std::max(spirv[i] >> 16, 1u))
-    count += (spirv[i] & 0xFFFF) == OP_VARIABLE && spirv[i + 3] == STORAGE_FUNCTION ? 1 : 0;
-  return count;
+TEST(GpuSpecialize, DeclaresThatSpecialValuesAreKeptWhereTheDeviceCan) {
+  const std::string declared = specialized(true);
+  EXPECT_NE(declared.find("OpCapability SignedZeroInfNanPreserve"), std::string::npos) << declared;
+  EXPECT_NE(declared.find("SignedZeroInfNanPreserve 32"), std::string::npos) << declared;
+  EXPECT_EQ(specialized(false).find("SignedZeroInfNanPreserve"), std::string::npos);
 }
 
-TEST(Specialize, MakesValidModulesOfFewVariables) {
-  std::string message;
-  spvtools::SpirvTools tools(SPV_ENV_VULKAN_1_2);
-  tools.SetMessageConsumer(
-      [&](spv_message_level_t, const char*, const spv_position_t&, const char* text) { message = text; });
-  spvtools::ValidatorOptions options;
-  options.SetScalarBlockLayout(true);
-  size_t before = 0, after = 0;
-  for (const std::string& name : modules()) {
-    const std::vector<std::pair<uint32_t, uint32_t>> constants = {
-        {SPEC_FEATURES, name.ends_with(".int32") ? FEATURE_ALPHA | FEATURE_ENVIRONMENT : 0u},
-        {SPEC_TECHNIQUES, TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_CONNECT},
-        {SPEC_MATERIAL_CLASS, MATERIAL_CLASS_TRANSMISSIVE}};
-    const std::span<const uint32_t> spirv = shaders::spirv(name);
-    const std::vector<uint32_t> specialized = gpu::specialize({name, spirv, constants});
-    EXPECT_TRUE(tools.Validate(specialized.data(), specialized.size(), options)) << name << ": " << message;
-    before += count_variables(spirv);
-    after += count_variables(specialized);
-  }
-  std::printf("%zu variables of %zu are left\n", after, before);
-  // Parameters of functions and arrays stay, all others go.
-  EXPECT_LT(after, before / 3);
+TEST(GpuSpecialize, LeavesAloneWhatIsNoModule) {
+  const std::vector<uint32_t> words = {1, 2, 3, 4, 5, 6, 7, 8};
+  EXPECT_EQ(specialize({.name = "no module", .spirv = words, .constants = {}}, true), words);
 }
 
 }  // namespace
-}  // namespace regulus::test
+}  // namespace regulus::gpu
