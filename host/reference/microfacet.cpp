@@ -47,6 +47,19 @@ double log_gamma_ratio_half(double x) {
   return 0.5 * std::log(x) - 1 / (8 * x) + 1 / (192 * x * x * x);
 }
 
+/// int_0^theta sin(t)^n f(t) dt of smooth f.
+template <typename Function>
+double integrate_sine_power(double n, double theta, double log_scale, int levels, const Function& f) {
+  // t = theta (1 - y)^2: the mass sits at small y for narrow lobes, and the root t^n at y = 1 is softened.
+  const auto integrand = [&](double y) {
+    const double t = theta * (1 - y) * (1 - y);
+    const double cosine = std::cos(t);
+    const double log_sine = t < 0.5 ? std::log(std::sin(t)) : 0.5 * std::log1p(-cosine * cosine);
+    return std::exp(log_scale + n * log_sine) * f(y) * 2 * theta * (1 - y);
+  };
+  return integrate_graded(integrand, levels, 2);
+}
+
 /// Slopes of (n + 2) / (2 pi) cos^n have density (n + 2) / (2 pi) (1 + r^2)^(-(n + 4) / 2); integrated over
 /// the slope across, the slope s along w has density c (1 + s^2)^(-(n + 3) / 2), c = Gamma((n + 3) / 2) /
 /// (sqrt(pi) Gamma(n / 2 + 1)). Then Lambda = (1 / cot) int_cot^inf (s - cot) density(s) ds (Heitz 2014, eq.
@@ -54,18 +67,25 @@ double log_gamma_ratio_half(double x) {
 double lambda_cosine(double alpha, const dvec3& w) {
   const double sin_theta = std::hypot(w.x, w.y);
   if (sin_theta == 0) return 0;
+  const double length = std::hypot(sin_theta, w.z);
   const double n = cosine_exponent(alpha);
   const double theta = std::atan2(sin_theta, std::abs(w.z));
   const double log_c = log_gamma_ratio_half(0.5 * n + 1) - std::log(SQRT_PI);
-  // t = theta (1 - y)^2: the mass sits at small y for narrow lobes, and the root t^n at y = 1 is softened.
-  const auto integrand = [&](double y) {
-    const double t = theta * (1 - y) * (1 - y);
-    const double cosine = std::cos(t);
-    const double log_sine = t < 0.5 ? std::log(std::sin(t)) : 0.5 * std::log1p(-cosine * cosine);
-    return std::exp(log_c + n * log_sine) * std::sin(theta * y * (2 - y)) * 2 * theta * (1 - y);
-  };
   const int levels = 4 - static_cast<int>(std::floor(std::log2(alpha)));  // down to 1/16 of the lobe's width
-  return integrate_graded(integrand, levels, 1) * std::hypot(w.x, w.y, w.z) / std::abs(w.z);
+  // A fractional power near 0 is no polynomial: with sin(theta - t) expanded and the recurrence of the
+  // integrals J of powers of the sine, (m + 1) J(m) = (m + 2) J(m + 2) + cos(theta) sin(theta)^(m + 1), it
+  // becomes n + 3. The difference loses a factor of n + 2.
+  constexpr double SMALL_EXPONENT = 4;
+  if (n < SMALL_EXPONENT) {
+    const double sine = sin_theta / length;
+    const double cosine = std::abs(w.z) / length;
+    const double power = std::exp(log_c + (n + 2) * std::log(sine));
+    const double j = integrate_sine_power(n + 3, theta, log_c, levels, [](double) { return 1.0; });
+    return (power / (n + 1) - cosine * ((n + 3) * j + cosine * power) / (n + 2)) / cosine;
+  }
+  return integrate_sine_power(n, theta, log_c, levels,
+                              [&](double y) { return std::sin(theta * y * (2 - y)); }) *
+         length / std::abs(w.z);
 }
 
 double masking_smith(const Microsurface& surface, const dvec3& w) {
