@@ -28,23 +28,25 @@ struct SpotMass {
 };
 
 SpotMass spot_mass(const Light& light) {
-  return {(double{light.cos_inner} - light.cos_outer) / 3, 1 - double{light.cos_inner}};
+  return {(double{light.outer_height} - light.inner_height) / 3, light.inner_height};
 }
 
-/// Cosine with the axis, density spot_falloff / total mass, by inversion.
-double sample_spot_cosine(const Light& light, double u) {
+/// Height 1 - cos over the cone's top, density spot_falloff / total mass, by inversion.
+double sample_spot_height(const Light& light, double u) {
   const SpotMass mass = spot_mass(light);
   const double target = u * mass.total();
   if (target < mass.falloff)
-    return light.cos_outer + std::cbrt(target / mass.falloff) * (double{light.cos_inner} - light.cos_outer);
-  return light.cos_inner + (target - mass.falloff);
+    return light.outer_height -
+           std::cbrt(target / mass.falloff) * (double{light.outer_height} - light.inner_height);
+  return std::max(light.inner_height - (target - mass.falloff), 0.0);
 }
 
 dvec3 sample_spot_direction(const Light& light, const dvec2& u) {
-  const double cosine = std::clamp(sample_spot_cosine(light, u.x), -1.0, 1.0);
-  const double sine = std::sqrt(1 - cosine * cosine);
+  const double height = sample_spot_height(light, u.x);
+  const double sine = std::sqrt(height * (2 - height));
   const double azimuth = 2 * pi * u.y;
-  return Basis(dvec3(light.direction)).to_world({sine * std::cos(azimuth), sine * std::sin(azimuth), cosine});
+  return Basis(normalize(dvec3(light.direction)))
+      .to_world({sine * std::cos(azimuth), sine * std::sin(azimuth), 1 - height});
 }
 
 dvec3 sample_triangle_direction(const World& world, const Surface& surface, dvec2 u) {
@@ -115,10 +117,16 @@ double connection_pdf(const World& world, const LightPoint& point, const Surface
          density_on_light(world, point);
 }
 
-double spot_falloff(const Light& light, double cos_angle) {
-  const double width = double{light.cos_inner} - light.cos_outer;
-  const double linear = std::clamp((cos_angle - light.cos_outer) / width, 0.0, 1.0);
+double spot_falloff(const Light& light, const dvec3& direction) {
+  const dvec3 from_axis = direction - normalize(dvec3(light.direction));
+  const double height = 0.5 * dot(from_axis, from_axis);
+  const double width = double{light.outer_height} - light.inner_height;
+  const double linear = std::clamp((light.outer_height - height) / width, 0.0, 1.0);
   return linear * linear;
+}
+
+double spot_solid_angle(const Light& light) {
+  return 2 * pi * spot_mass(light).total();
 }
 
 double range_share(const World& world, const LightPoint& point, double distance) {
@@ -137,8 +145,7 @@ dvec3 emitted(const World& world, const LightPoint& point, const dvec3& directio
   if (point.kind == LIGHT_ENVIRONMENT)
     return environment_radiance(*world.scene().environment, point.direction);
   const dvec3 intensity(light.intensity);
-  return light.kind == LIGHT_SPOT ? intensity * spot_falloff(light, dot(direction, dvec3(light.direction)))
-                                  : intensity;
+  return light.kind == LIGHT_SPOT ? intensity * spot_falloff(light, direction) : intensity;
 }
 
 RayDensity emission_density(const World& world, const LightPoint& point, const dvec3& direction) {
@@ -150,8 +157,7 @@ RayDensity emission_density(const World& world, const LightPoint& point, const d
       return {std::max(cosine, 0.0) / pi};
     }
     case LIGHT_SPOT:
-      return {spot_falloff(light, dot(direction, dvec3(light.direction))) /
-              (2 * pi * spot_mass(light).total())};
+      return {spot_falloff(light, direction) / spot_solid_angle(light)};
     case LIGHT_DIRECTIONAL:
     case LIGHT_ENVIRONMENT:
       return {1 / (pi * world.radius() * world.radius()), true};
@@ -163,7 +169,7 @@ RayDensity emission_density(const World& world, const LightPoint& point, const d
 double emission_bound(const World& world, const LightPoint& point) {
   if (point.kind == LIGHT_POINT) return 1 / (4 * pi);
   if (point.kind != LIGHT_SPOT) return 1 / pi;
-  return 1 / (2 * pi * std::max(1 - double{light_of(world, point).cos_outer}, 1e-6));
+  return 1 / (2 * pi * light_of(world, point).outer_height);
 }
 
 Place place_of_light(const World& world, const LightPoint& point, const Ray& ray) {

@@ -84,9 +84,12 @@ EmissionRay sample_emission(const World& world, const LightPoint& point, const g
 /// Where a ray starts that leaves the point of a light.
 Place place_of_light(const World& world, const LightPoint& point, const Ray& ray);
 
-/// Radiant intensity factor of a spot at this cosine with its axis: clamp((c - c_o) / (c_i - c_o))^2
-/// (KHR_lights_punctual).
-double spot_falloff(const interface::Light& light, double cos_angle);
+/// Radiant intensity factor of a spot in this unit direction, whose cosine with the axis is c: clamp((c -
+/// c_o) / (c_i - c_o))^2 (KHR_lights_punctual).
+double spot_falloff(const interface::Light& light, const glm::dvec3& direction);
+
+/// Integral of the falloff over directions, sr.
+double spot_solid_angle(const interface::Light& light);
 
 /// What a light of limited range sends over this distance, as a share of the inverse square law: 1 - (d /
 /// range)^4, 0 from the range on (KHR_lights_punctual). 1 for all others.

@@ -46,13 +46,8 @@ std::pair<uint32_t, uint32_t> block_range(float low, float high, uint32_t size) 
 /// Integral of the spot's falloff over directions: glTF's clamp((c - c_o) / (c_i - c_o))^2, so
 /// 2 pi ((1 - c_i) + (c_i - c_o) / 3).
 double spot_solid_angle(const interface::Light& light) {
-  // The cosine of the inner angle may have been raised above 1 to keep the cone's width.
-  const double inner = light.cos_inner;
-  const double outer = light.cos_outer;
-  const double width = inner - outer;
-  const double top = std::min(inner, 1.0);
-  const double edge = std::pow((top - outer) / width, 3) * width / 3;
-  return 2 * PI * ((1 - top) + edge);
+  const double inner = light.inner_height;
+  return 2 * PI * (inner + (light.outer_height - inner) / 3);
 }
 
 }  // namespace

@@ -11,8 +11,11 @@
 namespace regulus::scene {
 namespace {
 
-// Least difference of the cone's cosines: keeps the falloff's quotient finite in single precision.
-constexpr float MIN_CONE_WIDTH = 1e-5f;
+// Least difference of the heights 1 - cos of a cone's two angles, as a share of the outer one: keeps the
+// falloff's quotient finite in single precision.
+constexpr double MIN_CONE_WIDTH = 1e-5;
+// Least height of a cone: of 1.4e-6 radians, which directions in single precision tell apart from none.
+constexpr double MIN_CONE_HEIGHT = 1e-12;
 
 /// Direction of a node's local axis in the world; local -z where the transform collapses it.
 glm::vec3 world_direction(const glm::dmat4& to_world, const glm::dvec3& axis) {
@@ -41,8 +44,13 @@ void set_cone(Document& document, const tinygltf::Light& source, const std::stri
     outer = std::clamp(outer, 0.0, glm::half_pi<double>());
     inner = std::clamp(inner, 0.0, outer);
   }
-  light.cos_outer = static_cast<float>(std::cos(std::min(outer, glm::half_pi<double>())));
-  light.cos_inner = std::max(static_cast<float>(std::cos(inner)), light.cos_outer + MIN_CONE_WIDTH);
+  const auto height = [](double angle) { return 2 * std::sin(angle / 2) * std::sin(angle / 2); };
+  const double outer_height = std::clamp(height(outer), MIN_CONE_HEIGHT, 1.0);
+  if (outer > 0 && height(outer) < MIN_CONE_HEIGHT)
+    document.warn(fmt::format("{}: a cone of {:g} radians is taken as one of {:.2g}; widen it", name, outer,
+                              std::sqrt(2 * MIN_CONE_HEIGHT)));
+  light.outer_height = static_cast<float>(outer_height);
+  light.inner_height = static_cast<float>(std::min(height(inner), outer_height * (1 - MIN_CONE_WIDTH)));
 }
 
 void add_light(Document& document, const PlacedNode& placed, size_t index, Scene& scene) {

@@ -14,7 +14,10 @@ std::vector<Sweep> sweep_weights(gpu::Device& device, Extent extent);
 /// Rays against triangles: distances, and rays that no closed surface may let through.
 std::vector<Sweep> sweep_geometry(gpu::Device& device, Extent extent);
 
-/// Sums of the film, samples that it must refuse, and the power of narrow spots.
+/// Power and falloff of spots however narrow.
+std::vector<Sweep> sweep_lights(gpu::Device& device, Extent extent);
+
+/// Sums of the film, and samples that it must refuse.
 std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent);
 
 }  // namespace regulus::stability

@@ -1,11 +1,9 @@
-// The ends of a path: sums of the film against exact ones, samples that it must refuse, and the power of
-// spots down to a hundredth of a degree.
+// The end of a path: sums of the film against exact ones, and samples that it must refuse.
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <random>
 
 #include "interface/wavefront.h"
@@ -127,40 +125,6 @@ Sweep refused_samples(gpu::Device& device) {
   return sweep;
 }
 
-/// The power that light paths share, of spots whose light falls off from half their angle on: 2 pi times the
-/// integral of the falloff over 1 - cos. The reference is told the same rounded cosines.
-Sweep spots_over_angle(gpu::Device& device, Extent extent) {
-  constexpr double OWN = 30 * 0x1p-24;
-  SweepText text{
-      "film",
-      "power of a spot over its angle",
-      "half angle, degrees",
-      fmt::format("{:.1e} for 30 roundings, and an ulp (1.2e-7) of the cosines that a scene's light has",
-                  OWN),
-      OWN,
-      0};
-  text.has_reference = false;
-  Sweep sweep(text);
-  const gpu::Kernel kernel = create_kernel(device, "spot", {{SPEC_FEATURES, FEATURE_POINT_LIGHTS}});
-  for (const double degrees : in_equal_ratios(1e-2, 90, extent == Extent::Quick ? 9 : 51)) {
-    const Exact outer = static_cast<Exact>(degrees) * std::numbers::pi_v<Exact> / 180;
-    const auto height = [](Exact angle) { return 2 * std::sin(angle / 2) * std::sin(angle / 2); };
-    const Exact power =
-        2 * std::numbers::pi_v<Exact> * (height(outer / 2) + (height(outer) - height(outer / 2)) / 3);
-    const Exact moved = 2 * std::numbers::pi_v<Exact> * 0x1p-23L;
-    std::vector<StabilitySpot> spots;
-    spots.reserve(20);
-    for (int i = 0; i < 20; ++i)
-      spots.push_back({static_cast<float>(std::cos(outer / 2)),
-                       static_cast<float>(std::cos(outer)),
-                       {(static_cast<float>(i) + 0.5f) / 20, 0.3f}});
-    for (const StabilityRay& ray : map_on_device<StabilityRay>(device, kernel, spots))
-      sweep.add({degrees, ray.throughput, 0, power, moved},
-                [&] { return fmt::format("{:.9g} degrees", degrees); });
-  }
-  return sweep;
-}
-
 }  // namespace
 
 std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent) {
@@ -169,7 +133,6 @@ std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent) {
   all.push_back(sums_over_samples(device, extent));
   all.push_back(marks_over_sums(device, extent));
   all.push_back(refused_samples(device));
-  all.push_back(spots_over_angle(device, extent));
   return all;
 }
 

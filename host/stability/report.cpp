@@ -12,8 +12,9 @@ struct Family {
   std::vector<Sweep> (*sweep)(gpu::Device&, Extent);
 };
 
-constexpr Family FAMILIES[] = {
-    {"bsdf", sweep_bsdf}, {"weights", sweep_weights}, {"geometry", sweep_geometry}, {"film", sweep_film}};
+constexpr Family FAMILIES[] = {{"bsdf", sweep_bsdf},         {"weights", sweep_weights},
+                               {"geometry", sweep_geometry}, {"lights", sweep_lights},
+                               {"film", sweep_film}};
 
 }  // namespace
 

@@ -174,9 +174,9 @@ struct Light {
   uint kind;                // LIGHT_*
   uint triangle;            // LIGHT_TRIANGLE: index of the triangle
   float selection_pdf;      // probability that selection by power returns this light
-  float cos_inner;          // LIGHT_SPOT: cosine of the inner cone angle
+  float inner_height;       // LIGHT_SPOT: 1 - cos of the inner cone angle, which keeps its digits however narrow the cone
   vec3 position;            // point, spot
-  float cos_outer;          // LIGHT_SPOT: cosine of the outer cone angle
+  float outer_height;       // LIGHT_SPOT: 1 - cos of the outer cone angle, > inner_height
   vec3 direction;           // spot, directional: unit, the way the light travels
   uint material;            // LIGHT_TRIANGLE: for textured emission
   vec3 intensity;           // triangle: radiance factor; point, spot: W/sr (cd); directional: W/m^2 (lx)

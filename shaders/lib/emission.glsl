@@ -86,8 +86,8 @@ Emission emit_from_punctual(Frame frame, Light light, vec2 u_position, vec2 u_di
   float v = u_direction.x * mass.y;
   bool in_ring = v < mass.x;
   float ramp = exp_accurate(log_accurate(clamp(v / max(mass.x, 1e-20), 1e-30, 1.0)) / 3.0);
-  float height = in_ring ? 1.0 - (light.cos_outer + ramp * (light.cos_inner - light.cos_outer))
-                         : max(1.0 - light.cos_inner - (v - mass.x), 0.0);
+  float height = in_ring ? light.outer_height - ramp * (light.outer_height - light.inner_height)
+                         : max(light.inner_height - (v - mass.x), 0.0);
   float falloff = in_ring ? square(ramp) : 1.0;
   vec2 around = safe_sqrt(height * (2.0 - height)) * cos_sin_turns(u_direction.y);
   emission.direction = normalize(around.x * tangent + around.y * bitangent + (1.0 - height) * light.direction);

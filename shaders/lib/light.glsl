@@ -29,7 +29,7 @@ struct LightSample {
 const float EMITTER_BOUND = INV_PI;
 const float POINT_LIGHT_BOUND = 0.25 * INV_PI;
 
-float spot_bound(Light light) { return 0.5 * INV_PI / max(1.0 - light.cos_outer, 1e-6); }
+float spot_bound(Light light) { return 0.5 * INV_PI / light.outer_height; }
 
 // Draws a light index in proportion to its selection_pdf (alias method, Vose 1991).
 uint select_by_power(Frame frame, vec2 u) {
@@ -83,15 +83,17 @@ float triangle_emission_pdf(Material material, float cos_light) {
   return faces * INV_PI * cos_light;
 }
 
-// glTF KHR_lights_punctual: squared linear falloff between the cone cosines.
 // Share of a spot light's mass, in height 1 - cos, that lies in the falloff ring, and the whole of it.
 vec2 spot_mass(Light light) {
-  float ring = (light.cos_inner - light.cos_outer) / 3.0;
-  return vec2(ring, ring + 1.0 - light.cos_inner);
+  float ring = (light.outer_height - light.inner_height) / 3.0;
+  return vec2(ring, ring + light.inner_height);
 }
 
-float spot_falloff(Light light, float cos_angle) {
-  float linear = clamp((cos_angle - light.cos_outer) / max(light.cos_inner - light.cos_outer, 1e-6), 0.0, 1.0);
+// glTF KHR_lights_punctual: squared linear falloff between the cone cosines.
+float spot_falloff(Light light, vec3 direction) {
+  vec3 from_axis = direction - light.direction;  // 1 - dot() would lose the digits of narrow cones
+  float height = 0.5 * dot(from_axis, from_axis);
+  float linear = clamp((light.outer_height - height) / (light.outer_height - light.inner_height), 0.0, 1.0);
   return linear * linear;
 }
 
@@ -173,7 +175,7 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   if ((spec_features & FEATURE_LIGHT_RANGES) != 0u) result.radiance *= range_share(light, squared);
   result.emission_ratio = 0.25 * INV_PI / squared;
   if (light.kind == LIGHT_SPOT) {
-    float falloff = spot_falloff(light, -dot(light.direction, result.wi));
+    float falloff = spot_falloff(light, -result.wi);
     result.radiance *= falloff;
     result.emission_ratio = 0.5 * INV_PI * falloff / (spot_mass(light).y * squared);
   }

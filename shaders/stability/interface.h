@@ -38,18 +38,21 @@ struct StabilityBsdfResult {
 REGULUS_LAYOUT(StabilityBsdfResult, 36);
 
 struct StabilitySpot {
-  float cos_inner, cos_outer;  // of the half angles
-  vec2 u;
+  float inner_height, outer_height;  // 1 - cos of the half angles
+  vec2 u;                            // of the ray that light tracing starts with
+  vec3 receiver;                     // of next-event estimation
 };
-REGULUS_LAYOUT(StabilitySpot, 16);
+REGULUS_LAYOUT(StabilitySpot, 28);
 
-// What light tracing starts with; the spot shines along z with an intensity of 1.
-struct StabilityRay {
+// What light tracing starts with, and what reaches the receiver; the spot lies at the origin and shines along z with an
+// intensity of 1.
+struct StabilityEmission {
   vec3 direction;
   float throughput;   // intensity over pdf
   float inverse_pdf;  // solid-angle
+  float irradiance;   // at the receiver, across the ray
 };
-REGULUS_LAYOUT(StabilityRay, 20);
+REGULUS_LAYOUT(StabilityEmission, 24);
 
 // A path x_0 ... x_K as weights see it. steps[i]: pdfs of vertex x_i (unused at x_0) and the edge from x_i to x_{i+1}.
 REGULUS_CONSTANT STABILITY_MAX_EDGES = 64u;

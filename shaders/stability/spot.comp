@@ -1,11 +1,11 @@
-// spot: the start of a light path at each spot light.
+// spot: the start of a light path at each spot light, and its light by next-event estimation.
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "stability/batch.glsl"
 #include "lib/emission.glsl"
 
 REGULUS_BUFFER(SpotBuffer, StabilitySpot);
-REGULUS_BUFFER(RayBuffer, StabilityRay);
+REGULUS_BUFFER(EmissionBuffer, StabilityEmission);
 
 void main() {
   uint i = gl_GlobalInvocationID.x;
@@ -18,9 +18,11 @@ void main() {
   light.intensity = vec3(1.0);
   light.selection_pdf = 1.0;
   light.area = 0.0;
-  light.cos_inner = spot.cos_inner;
-  light.cos_outer = spot.cos_outer;
+  light.inner_height = spot.inner_height;
+  light.outer_height = spot.outer_height;
   Frame unused;
   Emission emission = emit_from_punctual(unused, light, vec2(0.5), spot.u);
-  STORE(RayBuffer, batch.outputs, i, StabilityRay(emission.direction, emission.throughput.g, emission.inverse_pdf));
+  LightSample received = sample_punctual_light(unused, light, spot.receiver);
+  STORE(EmissionBuffer, batch.outputs, i,
+        StabilityEmission(emission.direction, emission.throughput.g, emission.inverse_pdf, received.radiance.g));
 }

@@ -203,7 +203,7 @@ TEST(SceneAnimations, PointersMoveMaterialsLightsCamerasAndVisibility) {
   EXPECT_EQ(scene.materials[0].ior, 1.75f);
   ASSERT_EQ(scene.lights.size(), 1u);
   EXPECT_EQ(scene.lights[0].intensity, glm::vec3(2, 4, 4));
-  EXPECT_EQ(scene.lights[0].cos_outer, std::cos(0.75f));
+  EXPECT_NEAR(scene.lights[0].outer_height, 1 - std::cos(0.75), 1e-7);
   EXPECT_EQ(scene.cameras[0].y_fov, 1.0f);
   EXPECT_EQ(scene.cameras[0].focus_distance, 2.0f);
   EXPECT_EQ(scene.cameras[0].camera_to_world[3], glm::vec4(0, 0, 4, 1));

@@ -258,7 +258,7 @@ TEST(SceneFaults, SpotLightsWithoutASpotHaveTheDefaultCone) {
   file.triangle();
   file.light({{"type", "spot"}});
   EXPECT_EQ(load_error(file), "");
-  EXPECT_NEAR(file.load().lights.at(0).cos_outer, std::sqrt(0.5), 1e-6);
+  EXPECT_NEAR(file.load().lights.at(0).outer_height, 1 - std::sqrt(0.5), 1e-6);
 }
 
 // --- Texture coordinates ---

@@ -48,8 +48,8 @@ TEST(SceneLights, PunctualLightsTakeThePlaceAndDirectionOfTheirNode) {
   EXPECT_EQ(light.position, glm::vec3(1, 2, 3));
   EXPECT_LT(glm::length(light.direction - glm::vec3(0, 1, 0)), 1e-6f);
   EXPECT_EQ(light.intensity, glm::vec3(8, 4, 2));
-  EXPECT_EQ(light.cos_inner, static_cast<float>(std::cos(0.5)));
-  EXPECT_EQ(light.cos_outer, static_cast<float>(std::cos(1.0)));
+  EXPECT_EQ(light.inner_height, static_cast<float>(1 - std::cos(0.5)));
+  EXPECT_EQ(light.outer_height, static_cast<float>(1 - std::cos(1.0)));
   EXPECT_EQ(light.area, 3.0f) << "its range";
   EXPECT_NE(find_features(scene).bits & interface::FEATURE_LIGHT_RANGES, 0u);
 }
@@ -72,7 +72,7 @@ TEST(SceneLights, ImpossibleConesStayFinite) {
   file.light({{"type", "spot"}, {"spot", {{"innerConeAngle", 0.0}, {"outerConeAngle", 0.0}}}});
   const Scene scene = file.load();
   for (const interface::Light& light : scene.lights) {
-    EXPECT_GT(light.cos_inner, light.cos_outer);
+    EXPECT_LT(light.inner_height, light.outer_height);
     EXPECT_TRUE(std::isfinite(punctual_power(light, 1)));
   }
   EXPECT_TRUE(has_warning(scene, "(clamped)"));
@@ -83,19 +83,19 @@ TEST(SceneLights, SpotPowerIsTheIntegralOfItsFalloff) {
     interface::Light light {};
     light.kind = interface::LIGHT_SPOT;
     light.intensity = glm::vec3(3);
-    light.cos_inner = static_cast<float>(std::cos(inner));
-    light.cos_outer = static_cast<float>(std::cos(outer));
+    light.inner_height = static_cast<float>(1 - std::cos(inner));
+    light.outer_height = static_cast<float>(1 - std::cos(outer));
     // Midpoint rule over the cosine; the integrand has slope up to 2 / width, so the error is below
     // 2 pi (2 / width^2) / 24 / n^2 times the interval.
     const int n = 1000000;
     double sum = 0;
     for (int i = 0; i < n; ++i) {
-      const double c = light.cos_outer + (1.0 - light.cos_outer) * (i + 0.5) / n;
+      const double height = double{light.outer_height} * (i + 0.5) / n;
       const double falloff = std::clamp(
-          (c - light.cos_outer) / (static_cast<double>(light.cos_inner) - light.cos_outer), 0.0, 1.0);
+          (light.outer_height - height) / (double{light.outer_height} - light.inner_height), 0.0, 1.0);
       sum += falloff * falloff;
     }
-    const double expected = 3 * 2 * PI * sum * (1.0 - light.cos_outer) / n;
+    const double expected = 3 * 2 * PI * sum * light.outer_height / n;
     EXPECT_NEAR(punctual_power(light, 1), expected, 1e-6 * expected) << inner << " " << outer;
   }
 }
