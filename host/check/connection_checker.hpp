@@ -156,6 +156,7 @@ class ConnectionChecker {
   struct Sought {
     dvec2 film;
     double size = 0;  ///< largest channel of what it carries
+    std::string of_class{};
     bool is_matched = false;
   };
 

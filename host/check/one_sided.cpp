@@ -43,11 +43,17 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
   }
   std::ranges::sort(by_x, {}, [&](uint32_t i) { return ours[i].film.x; });
   std::vector<std::pair<Sought, std::string>> theirs;
+  const auto splat_class = [](const reference::WalkVertex& vertex) {
+    return "splat, " + vertex_class(vertex);
+  };
   const auto& subpaths = iterations_.front().light.subpaths();
   for (uint32_t path = 0; path < subpaths.size(); ++path)
     estimator_->light_sample(subpaths[path], path, sample_, [&](const reference::Contribution& found) {
       const dvec2 film = found.sampled.film;
       const size_t edges = found.sampled.vertex - 1;
+      const auto& vertices = subpaths[path].vertices;
+      const std::string of_class =
+          edges == 0 || edges > vertices.size() ? "" : splat_class(vertices[edges - 1]);
       std::optional<uint32_t> best;
       double nearest = SAME_PLACE;
       const auto first =
@@ -60,12 +66,13 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
       }
       if (!best) {
         theirs.emplace_back(
-            Sought{film, largest(found.unweighted * found.weight)},
+            Sought{film, largest(found.unweighted * found.weight), of_class},
             fmt::format("splat of light path {}, {} edges, at ({:.3f} {:.3f}): the reference alone", path,
                         edges, film.x, film.y));
         return;
       }
       ours[*best].is_matched = true;
+      ours[*best].of_class = of_class;
       // Of both copies of a technique there is one splat.
       if (!items.empty() && items.back().light_path == path && items.back().light_edges == edges) return;
       items.push_back(
@@ -75,7 +82,7 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
   for (const Sought& splat : ours) mean += splat.size / static_cast<double>(ours.size());
   for (uint32_t i = 0; i < ours.size(); ++i) {
     if (ours[i].is_matched)
-      on_one_side.add_error(0);
+      on_one_side.add_error(0, 0, ours[i].of_class);
     else if (counts(ours[i], mean) && !is_hidden(i)) {
       on_one_side.add_difference(Difference::Real);
       on_one_side.describe(
@@ -84,7 +91,7 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
   }
   for (const auto& [splat, words] : theirs) {
     if (!counts(splat, mean)) continue;
-    on_one_side.add_difference(Difference::Real);
+    on_one_side.add_difference(Difference::Real, splat.of_class);
     on_one_side.describe(words);
   }
   return items;
@@ -101,12 +108,14 @@ void ConnectionChecker::find_missing_light_samples(Tally& on_one_side) const {
       mean += largest(dvec3(candidate.contribution)) / static_cast<double>(bounce.light_samples.size());
     }
     for (const uint32_t slot : bounce.slots) {
+      const auto& vertices = iterations_.front().camera[slot].vertices;
+      const std::string of_class = i < vertices.size() ? "light sample, " + vertex_class(vertices[i]) : "";
       if (has_sample[slot]) {
-        on_one_side.add_error(0);
+        on_one_side.add_error(0, 0, of_class);
         continue;
       }
       if (!is_same_walk(bounce, slot, i) || !is_always_lit(slot, i, NOISE * mean)) continue;
-      on_one_side.add_difference(Difference::Real);
+      on_one_side.add_difference(Difference::Real, of_class);
       on_one_side.describe(
           fmt::format("pixel {}, {} edges: a light sample of the reference alone", slot, i + 1));
     }

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "check/check.hpp"
+#include "check/item_class.hpp"
 #include "check/reference_render.hpp"
 #include "reference/estimator.hpp"
 #include "reference/renderer.hpp"
@@ -44,11 +45,19 @@ std::vector<std::vector<uint32_t>> triangles_of(const render::Recording& recordi
   return triangles;
 }
 
-/// The same of the reference, with its numbers moved by a pattern of roundings.
-std::vector<uint32_t> reference_triangles(const Subject& subject, const Path& path, uint32_t pattern) {
-  reference::Settings settings = subject.reference_settings;
+/// The reference's walk of a path, with its numbers moved by a pattern of roundings.
+reference::CameraSubpath reference_walk(const Subject& subject, reference::Settings settings, uint32_t pixel,
+                                        uint32_t sample, uint32_t pattern) {
   settings.rounding_pattern = pattern;
-  const auto walk = walk_from_camera(subject.world, subject.camera, settings, path.pixel, path.sample_index);
+  return walk_from_camera(subject.world, subject.camera, settings, pixel, sample);
+}
+
+/// What the camera sees there, as a class of items.
+std::string first_class(const reference::CameraSubpath& walk) {
+  return walk.vertices.empty() ? "nothing" : "first " + vertex_class(walk.vertices.front());
+}
+
+std::vector<uint32_t> triangles_of(const reference::CameraSubpath& walk) {
   std::vector<uint32_t> triangles;
   for (const reference::WalkVertex& vertex : walk.vertices) triangles.push_back(vertex.surface.triangle);
   return triangles;
@@ -62,19 +71,21 @@ size_t common_length(const std::vector<uint32_t>& a, const std::vector<uint32_t>
 
 /// Judges a path whose triangles are those of the device. What the reference under rounding does is a tie.
 void compare_vertices(const Subject& subject, const Path& path, const std::vector<uint32_t>& found,
-                      const std::vector<uint32_t>& expected, size_t& moved_paths, Tally& tally) {
+                      const std::vector<uint32_t>& expected, const std::string& of_class, size_t& moved_paths,
+                      Tally& tally) {
   bool is_tie = false;
   for (uint32_t pattern = 1; pattern <= ROUNDING_PATTERNS; ++pattern) {
-    const std::vector<uint32_t> moved = reference_triangles(subject, path, pattern);
+    const std::vector<uint32_t> moved = triangles_of(
+        reference_walk(subject, subject.reference_settings, path.pixel, path.sample_index, pattern));
     moved_paths += moved == expected ? 0 : 1;
     is_tie = is_tie || common_length(moved, expected) <= common_length(found, expected);
   }
   if (found == expected) {
-    tally.add_error(0);
+    tally.add_error(0, 0, of_class);
   } else if (is_tie) {
-    tally.add_difference(Difference::Tie);
+    tally.add_difference(Difference::Tie, of_class);
   } else {
-    tally.add_difference(Difference::Real);
+    tally.add_difference(Difference::Real, of_class);
     tally.describe(
         fmt::format("pixel {}: diverges after {} vertices", path.pixel, common_length(found, expected)));
   }
@@ -93,9 +104,10 @@ std::string against(const dvec3& found, const dvec3& expected) {
 
 /// Holds colours found by the device against those that `evaluate` finds with given settings. Only where they
 /// differ is the conditioning worth its time: the reference again, with its numbers moved.
+/// @param classes of the colours, as many
 template <typename Evaluate, typename Describe>
 void compare_colors(const std::vector<dvec3>& found, reference::Settings settings, const Evaluate& evaluate,
-                    const Describe& describe, Tally& tally) {
+                    const Describe& describe, const std::vector<std::string>& classes, Tally& tally) {
   const std::vector<dvec3> expected = evaluate(settings);
   double mean = 0;
   for (const dvec3& value : expected) mean += largest(value) / static_cast<double>(expected.size());
@@ -110,7 +122,7 @@ void compare_colors(const std::vector<dvec3>& found, reference::Settings setting
     }
   }
   for (size_t i = 0; i < found.size(); ++i)
-    if (!tally.add_error(errors[i], CONDITIONING * spreads[i]))
+    if (!tally.add_error(errors[i], CONDITIONING * spreads[i], classes[i]))
       tally.describe(describe(i) + ": " + against(found[i], expected[i]));
 }
 
@@ -129,13 +141,18 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
   const std::vector<std::vector<uint32_t>> triangles = triangles_of(recording);
   size_t moved_paths = 0;
   std::vector<uint32_t> slots;  // of paths that go the same way
-  std::vector<dvec3> found;     // and their radiance
+  std::vector<dvec3> found;     // their radiance
+  std::vector<std::string> classes;
   for (uint32_t slot = 0; slot < recording.generated.size(); ++slot) {
     const Path& path = recording.generated[slot];
-    const std::vector<uint32_t> same = reference_triangles(subject, path, 0);
-    compare_vertices(subject, path, triangles[slot], same, moved_paths, vertices);
+    const reference::CameraSubpath walk =
+        reference_walk(subject, subject.reference_settings, path.pixel, path.sample_index, 0);
+    const std::vector<uint32_t> same = triangles_of(walk);
+    const std::string of_class = first_class(walk);
+    compare_vertices(subject, path, triangles[slot], same, of_class, moved_paths, vertices);
     if (triangles[slot] != same) continue;
     slots.push_back(slot);
+    classes.push_back(of_class);
     found.emplace_back(recording.bounces.back().radiance[slot]);
   }
   const auto evaluate = [&](const reference::Settings& settings) {
@@ -152,7 +169,7 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
     const Path& path = recording.generated[slots[i]];
     return fmt::format("pixel {} sample {}", path.pixel, path.sample_index);
   };
-  compare_colors(found, subject.reference_settings, evaluate, describe, radiance);
+  compare_colors(found, subject.reference_settings, evaluate, describe, classes, radiance);
   vertices.expect_ties(moved_paths / ROUNDING_PATTERNS);
   return {vertices, radiance};
 }
@@ -170,10 +187,14 @@ Tally check_image(gpu::Device& device, const Subject& subject, const char* name,
   const image::Image image = render::resolve(renderer.film());
 
   const reference::Settings wanted = reference_settings(plan);
+  std::vector<std::string> classes;
+  for (uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel)
+    classes.push_back(first_class(reference_walk(subject, wanted, pixel, plan.first_sample, 0)));
   compare_colors(
       colors_of(image), wanted,
       [&](const reference::Settings& moved) { return reference::render(subject.world, moved).sum; },
-      [&](size_t i) { return fmt::format("pixel ({}, {})", i % settings.width, i / settings.width); }, tally);
+      [&](size_t i) { return fmt::format("pixel ({}, {})", i % settings.width, i / settings.width); },
+      classes, tally);
   return tally;
 }
 
