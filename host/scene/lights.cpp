@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/gtc/constants.hpp>
+#include <limits>
 #include <utility>
 
 #include "scene/alias_table.hpp"
@@ -68,8 +69,9 @@ LightBounds punctual_bounds(const interface::Light& light) {
   bounds.theta_e = glm::half_pi<double>();
   if (light.kind != interface::LIGHT_SPOT) return bounds;
   bounds.axis = glm::normalize(glm::dvec3(light.direction));
-  bounds.theta_o = std::acos(std::clamp(double{light.cos_inner}, -1.0, 1.0));
-  bounds.theta_e = std::acos(std::clamp(double{light.cos_outer}, -1.0, 1.0)) - bounds.theta_o;
+  const auto angle_of = [](double height) { return 2 * std::asin(std::sqrt(std::min(height / 2, 1.0))); };
+  bounds.theta_o = angle_of(light.inner_height);
+  bounds.theta_e = angle_of(light.outer_height) - bounds.theta_o;
   return bounds;
 }
 
@@ -99,14 +101,29 @@ bool is_punctual(const interface::Light& light) {
   return light.kind != interface::LIGHT_TRIANGLE && light.kind != interface::LIGHT_ENVIRONMENT;
 }
 
+/// By material that shows light: m^2 of its triangles; infinite if some are shared by copies.
+std::vector<double> shining_areas(const Scene& scene) {
+  std::vector<double> areas(scene.materials.size(), 0);
+  size_t shared = 0;
+  for (const SharedMesh& mesh : scene.shared_meshes) shared += mesh.triangle_count;
+  for (size_t i = 0; i < scene.triangles.size(); ++i) {
+    const uint32_t material = scene.triangles[i].material;
+    if (scene.materials[material].emission == glm::vec3(0)) continue;
+    areas[material] +=
+        i < shared ? std::numeric_limits<double>::infinity() : triangle_area(scene, scene.triangles[i]);
+  }
+  return areas;
+}
+
 }  // namespace
 
 void build_lights(Scene& scene) {
   LightList list;
   const double scene_radius = 0.5 * glm::length(glm::dvec3(scene.bounds_max) - glm::dvec3(scene.bounds_min));
   FilmRange film_range(0.5 * (glm::dvec3(scene.bounds_min) + glm::dvec3(scene.bounds_max)), scene_radius);
-  for (const interface::Material& material : scene.materials)
-    film_range.add_visible(glm::dvec3(material.emission));
+  const std::vector<double> areas = shining_areas(scene);
+  for (size_t i = 0; i < scene.materials.size(); ++i)
+    film_range.add_visible(glm::dvec3(scene.materials[i].emission), areas[i]);
   for (const interface::Light& light : scene.lights)
     if (is_punctual(light)) {
       list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));

@@ -1,6 +1,7 @@
 #include "stability/bsdf_cases.hpp"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "reference/bsdf.hpp"
@@ -185,7 +186,9 @@ BsdfSweep over_critical(int points) {
 
 BsdfSweep over_tau(int points) {
   Builder sweep({"over tau", "tau, 1/sr", RAISED, false, {}});
-  for (const double tau : in_equal_ratios(1e-3, 1e12, points))
+  std::vector<double> taus = in_equal_ratios(1e-3, 1e12, points);
+  taus.push_back(std::numeric_limits<float>::max());  // as good as infinite: 4 pi of it are
+  for (const double tau : taus)
     for (const double alpha : {1e-5, 0.05})
       for (const double theta : {0.1, 1.2, 1.55})
         sweep.add_all_events(tau, {true, true, dvec2(alpha), 1.5, tau}, direction(theta, AZIMUTH));

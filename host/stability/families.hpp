@@ -17,6 +17,9 @@ std::vector<Sweep> sweep_geometry(gpu::Device& device, Extent extent);
 /// Power and falloff of spots however narrow.
 std::vector<Sweep> sweep_lights(gpu::Device& device, Extent extent);
 
+/// Pictures of scenes whose radiance is known.
+std::vector<Sweep> sweep_pictures(gpu::Device& device, Extent extent);
+
 /// Sums of the film, and samples that it must refuse.
 std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent);
 

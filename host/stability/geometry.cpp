@@ -29,7 +29,7 @@ using Vertices = std::array<vec3, 3>;
 struct Field {
   std::vector<bvh::InputTriangle> triangles;
   std::vector<BenchRay> rays;
-  std::vector<uint32_t> targets;  ///< of each ray
+  std::vector<uint32_t> targets;  ///< of each ray; copies in one place have its tag
 };
 
 /// A tree on the device.
@@ -77,6 +77,8 @@ struct FieldKind {
   double aspect = 1;     ///< length over width of a triangle
   double elevation = 0;  ///< of rays above their triangle, rad; 0: any
   double tilt = -1;      ///< slope of rays off an axis; negative: any direction
+  double stretch = 1;    ///< along x; along z it is as much less, and mirrored, if it is not 1
+  int copies = 1;        ///< of each triangle, in one place
 };
 
 /// Triangles far enough from each other that a ray to one meets it first: rays come from nearby.
@@ -91,9 +93,11 @@ Field make_field(const FieldKind& kind, int count, uint64_t seed) {
     const dvec3 normal = cross(along, across);
     const std::array<dvec3, 3> corners = {centre + along, centre - 0.5 * along + 0.8 * across / kind.aspect,
                                           centre - 0.5 * along - 0.8 * across / kind.aspect};
+    const dvec3 stretch(kind.scale * kind.stretch, kind.scale,
+                        kind.stretch == 1 ? kind.scale : -kind.scale / kind.stretch);
     bvh::InputTriangle triangle;
     triangle.tag = static_cast<uint32_t>(i);
-    for (size_t k = 0; k < 3; ++k) triangle.vertices[k] = vec3(kind.scale * corners[k]);
+    for (size_t k = 0; k < 3; ++k) triangle.vertices[k] = vec3(stretch * corners[k]);
     // Well inside: rounding must not decide whether it is met.
     const double u = 0.2 + 0.4 * uniform(random);
     const double v = 0.2 + (0.6 - u) * uniform(random);
@@ -108,11 +112,12 @@ Field make_field(const FieldKind& kind, int count, uint64_t seed) {
       direction = dvec3(kind.tilt, kind.tilt, kind.tilt);
       direction[i % 3] = i % 2 == 0 ? 1 : -1;
     }
+    direction = stretch * normalize(direction);
     const vec3 rounded = vec3(normalize(direction));
-    const dvec3 origin = kind.scale * (target - (0.5 + uniform(random)) * dvec3(rounded));
-    field.triangles.push_back(triangle);
+    const dvec3 origin = stretch * target - (0.5 + uniform(random)) * length(direction) * dvec3(rounded);
+    for (int copy = 0; copy < kind.copies; ++copy) field.triangles.push_back(triangle);
     field.rays.push_back({vec3(origin), std::numeric_limits<float>::infinity(), rounded, 0});
-    field.targets.push_back(static_cast<uint32_t>(i));
+    field.targets.push_back(static_cast<uint32_t>(field.triangles.size() - 1));
   }
   return field;
 }
@@ -212,8 +217,11 @@ void add_field(Sweep& sweep, double parameter, gpu::Device& device, const gpu::K
     const auto met = traversal.closest({dvec3(ray.origin), dvec3(ray.direction)});
     // Hits number triangles by their place in the tree.
     const std::vector<uint32_t>& order = tree.bvh().order;
-    const bool is_met = hits[i].triangle != INVALID_INDEX && order[hits[i].triangle] == field.targets[i];
-    const bool is_met_by_reference = met && order[met->triangle] == field.targets[i];
+    const auto is_target = [&](uint32_t triangle) {
+      return field.triangles[order[triangle]].tag == field.triangles[field.targets[i]].tag;
+    };
+    const bool is_met = hits[i].triangle != INVALID_INDEX && is_target(hits[i].triangle);
+    const bool is_met_by_reference = met && is_target(met->triangle);
     const Exact shift = moved.u + moved.v;  // of any barycentric coordinate, at most
     if (truth.inside() < shift) {           // rounding decides whether it is met
       sweep.lose();
@@ -312,6 +320,10 @@ constexpr DistanceSweep DISTANCE_SWEEPS[] = {
     {"of slivers", "length over width", 1, 1e6, [](double x) { return FieldKind{.aspect = x}; }},
     {"at grazing angles", "angle above the plane, rad", 1e-6, 1,
      [](double x) { return FieldKind{.elevation = x}; }},
+    {"of copies in one place", "copies of each triangle", 1, 64,
+     [](double x) { return FieldKind{.copies = static_cast<int>(x)}; }},
+    {"stretched and mirrored", "scale along x, and one over that along -z", 1, 1e3,
+     [](double x) { return FieldKind{.stretch = x}; }},
     {"along axes", "slope off the axis", 1e-30, 1, [](double x) { return FieldKind{.tilt = x}; }},
 };
 

@@ -14,7 +14,7 @@ struct Family {
 
 constexpr Family FAMILIES[] = {{"bsdf", sweep_bsdf},         {"weights", sweep_weights},
                                {"geometry", sweep_geometry}, {"lights", sweep_lights},
-                               {"film", sweep_film}};
+                               {"film", sweep_film},         {"pictures", sweep_pictures}};
 
 }  // namespace
 

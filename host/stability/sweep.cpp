@@ -35,7 +35,7 @@ void Sweep::add(const Measured& measured, const std::function<std::string()>& de
   const double reference_error = text_.has_reference && is_reference_finite
                                      ? relative_error(measured.reference, measured.truth, text_.floor)
                                      : 0;
-  const double bound = text_.own + moved;
+  const double bound = text_.own + moved + static_cast<double>(measured.device_chance / scale);
   point.device_error = std::max(point.device_error, device_error);
   point.reference_error = std::max(point.reference_error, reference_error);
   point.bound = std::max(point.bound, bound);
@@ -46,7 +46,8 @@ void Sweep::add(const Measured& measured, const std::function<std::string()>& de
     device_ratio_ = device_error / bound;
     worst_case_ = describe();
   }
-  const double reference_bound = text_.own_reference + moved * DOUBLE_SHARE;
+  const double reference_bound =
+      text_.own_reference + moved * DOUBLE_SHARE + static_cast<double>(measured.reference_chance / scale);
   if (reference_error / reference_bound > reference_ratio_) {
     reference_ratio_ = reference_error / reference_bound;
     worst_reference_case_ = describe();

@@ -41,6 +41,8 @@ struct Measured {
   double parameter;
   double device, reference;
   Exact truth, moved;
+  Exact device_chance = 0,
+        reference_chance = 0;  ///< what sampling, or the case's model, may add to each error
 };
 
 /// See Sweep::add.

@@ -38,9 +38,21 @@ TEST(FilmExponents, GiveLightTheRangeThatItNeeds) {
     EXPECT_EQ(exponents_of(radiance).radiance, std::floor(std::log2(level))) << radiance;
     EXPECT_EQ(exponents_of(radiance).squares, std::floor(2 * std::log2(level))) << radiance;
   }
-  // A tiny lamp of ordinary radiance whose light is dim: as dim as its own picture allows.
+  // A tiny lamp of ordinary radiance whose light is dim: as dim as its own picture allows. Its area is
+  // 2^-48.1 of the radius squared, which takes 1.1 bits off the samples.
   const int dim = exponents_of(1, 1e-7).radiance;
-  EXPECT_EQ(dim, 0 + 24 - 55);
+  EXPECT_EQ(dim, 0 + 23 - 55);
+}
+
+// A lamp of 1 W, however small, leaves a unit that is fine beside what it lights, 1 / (4 pi^2 1.5) W/m^2/sr;
+// one sample of the lamp fits.
+TEST(FilmExponents, SpecksDoNotHideWhatTheyLight) {
+  for (const double size : {1e-3, 1e-6, 1e-8, 1e-10}) {
+    const double radiance = 1 / (M_PI * size * size / 2);
+    const int exponent = exponents_of(radiance, size).radiance;
+    EXPECT_LT(std::ldexp(1.0, exponent - 40), 1e-5 / (4 * M_PI * M_PI * 1.5)) << size;
+    EXPECT_LE(radiance, std::ldexp(1.0, exponent + 55)) << size;
+  }
 }
 
 TEST(FilmExponents, CountEveryKindOfLight) {
