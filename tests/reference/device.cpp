@@ -458,6 +458,34 @@ TEST(DeviceConnections, RegularizedTwiceByQualityAgreeWithTheReference) {
   expect_agreement(prepare(sunlit_room()), settings);
 }
 
+// Smooth glass under a rough coat diffuses from inside as from outside, and splats of `both` count by what
+// the camera has met, which is nothing.
+TEST(DeviceConnections, BothThroughCoatedGlassAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  GltfScene scene = sunlit_room();
+  nlohmann::json coated = glass(1.5, 0);
+  coated["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1},
+                                                     {"clearcoatRoughnessFactor", 0.5}};
+  scene.add(box({-0.5, 0.8, -0.5}, {0.5, 0.9, 0.2}), coated);
+  expect_agreement(prepare(scene),
+                   CheckedConnections::settings(ON | REGULARIZATION_BOTH | REGULARIZATION_DIFFUSION, 0.6F));
+}
+
+// A camera in dyed glass sees from its near plane on; what lies before the plane dyes all the same, by splats
+// too.
+TEST(DeviceConnections, BehindTheNearPlaneInAMediumAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  GltfScene scene;
+  scene.add(box({-2, -2, -2}, {2, 2, 2}), glass(1.5, 0, {0.3, 0.5, 0.8}));
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
+  scene.add({quad({-0.3, 0.9, 0.3}, {0.6, 0, 0}, {0, 0.1, -0.6})}, emitter({2, 2, 1}, true));
+  scene.set_perspective(look_at({0, 1.2, 1.5}, {0, 0, 0}), 0.9);
+  scene.set_near_plane(0.7);
+  expect_agreement(prepare(scene), CheckedConnections::settings(REGULARIZATION_NONE));
+}
+
 TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";

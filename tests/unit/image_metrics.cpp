@@ -90,6 +90,19 @@ TEST(Comparison, StudentsTHasItsQuantiles) {
     EXPECT_NEAR(image::student_two_sided(t, degrees), p, 1e-6 * p + 1e-8) << degrees;
 }
 
+// Two batches, 1 and 3, against 0: a mean of 2 with a standard error of 1, and one degree of freedom, whose
+// distribution is Cauchy's: 1 - 2 atan(2) / pi.
+TEST(Comparison, BatchesHaveOneDegreeOfFreedomLess) {
+  const auto pixel = [](float value) { return image::Image{1, 1, {value, value, value}}; };
+  image::ComparisonOptions options;
+  options.tile = 1;
+  options.relative_tolerance = 0;
+  const image::TileTest test = image::test_against({pixel(1), pixel(3)}, pixel(0), options);
+  EXPECT_NEAR(test.worst_p, 1 - 2 / std::numbers::pi * std::atan(2.0), 1e-9);
+  const image::TileTest equal = image::test_equal({pixel(1), pixel(3)}, {pixel(0), pixel(0)}, options);
+  EXPECT_NEAR(equal.worst_p, 1 - 2 / std::numbers::pi * std::atan(2.0), 1e-9);
+}
+
 // Of 400 comparisons of equal sets at a false-alarm rate of 5 %, 20 raise one, give or take 4.4; and sets
 // that differ by five standard errors of the whole image are told apart.
 TEST(Comparison, RaisesFalseAlarmsAtItsRateAndSeesADifference) {
