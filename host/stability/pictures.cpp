@@ -9,6 +9,7 @@
 #include "check/reference_render.hpp"
 #include "prepared/prepared_scene.hpp"
 #include "render/renderer.hpp"
+#include "scene/environment.hpp"
 #include "stability/families.hpp"
 
 namespace regulus::stability {
@@ -64,6 +65,8 @@ class Stage {
     light.intensity = vec3(static_cast<float>(intensity));
     scene_.lights.push_back(light);
   }
+
+  void set_environment(scene::Environment environment) { scene_.environment = std::move(environment); }
 
   /// A camera that looks along -z at a square of these half extents.
   PreparedScene seen_from(const dvec3& eye, double half_extent) {
@@ -175,7 +178,7 @@ Sweep emitters_over_size(gpu::Device& device, Extent extent) {
   Sweep sweep(
       text_of("light of an emitter over its size", "side, m",
               fmt::format("{:.1e} for 100 roundings, and 4 sides, because it is taken as a point", OWN)));
-  for (const double side : in_equal_ratios(1e-10, 1e-2, extent == Extent::Quick ? 5 : 17))
+  for (const double side : in_equal_ratios(1e-10, 1e-2, extent == Extent::Quick ? 3 : 17))
     add_emitter(sweep, side, device, side, 1);
   return sweep;
 }
@@ -183,7 +186,7 @@ Sweep emitters_over_size(gpu::Device& device, Extent extent) {
 Sweep emitters_over_power(gpu::Device& device, Extent extent) {
   Sweep sweep(text_of("light of an emitter over its power", "power, W",
                       fmt::format("{:.1e} for 100 roundings, and 4 sides of .1 mm", OWN)));
-  for (const double power : in_equal_ratios(1e-20, 1e20, extent == Extent::Quick ? 5 : 41))
+  for (const double power : in_equal_ratios(1e-20, 1e20, extent == Extent::Quick ? 3 : 41))
     add_emitter(sweep, power, device, 1e-4, power);
   return sweep;
 }
@@ -198,7 +201,7 @@ Sweep point_light_over_height(gpu::Device& device, Extent extent) {
               fmt::format("{:.1e} for 100 roundings, and what moving the light by the clearance of rays, "
                           "{:.1e} m, does",
                           OWN, LIFT)));
-  for (const double height : in_equal_ratios(1e-9, 1, extent == Extent::Quick ? 7 : 28)) {
+  for (const double height : in_equal_ratios(1e-9, 1, extent == Extent::Quick ? 4 : 28)) {
     Stage stage = lit_plane();
     const double h = static_cast<float>(height);
     stage.add_point_light({0, 0, h}, h * h);
@@ -210,6 +213,56 @@ Sweep point_light_over_height(gpu::Device& device, Extent extent) {
     sweep.add({height, by_device(device, prepared, settings).value, by_reference(prepared, settings).value,
                truth, moved, moved},
               [&] { return fmt::format("a point light {:g} m above a plane", height); });
+  }
+  return sweep;
+}
+
+constexpr double SIGMAS = 6;  // of pixels that are far from normal where geometry terms are large
+
+/// Integral over one texel's angle and its neighbours', `step` each, of a function times the texel's share
+/// there.
+template <typename Function>
+Exact integral_of_texel(Exact centre, Exact step, const Function& f) {
+  constexpr int CELLS = 2000;
+  Exact sum = 0;
+  for (int i = 0; i < CELLS; ++i) {
+    const Exact off = 2 * (i + 0.5L) / CELLS - 1;
+    sum += (1 - std::abs(off)) * f(centre + off * step);
+  }
+  return sum * 2 * step / CELLS;
+}
+
+/// A plane under a sky of 1 with one texel that is brighter.
+Sweep environments_over_texel(gpu::Device& device, Extent extent) {
+  constexpr uint32_t WIDTH = 16, HEIGHT = 8, COLUMN = 12, ROW = 4;  // beside +z, the plane's normal
+  constexpr Exact STEP = std::numbers::pi_v<Exact> / HEIGHT;        // of both angles
+  // w.z = sin theta sin phi, and solid angles are sin theta dtheta dphi.
+  const Exact share =
+      integral_of_texel((ROW + 0.5L) * STEP, STEP,
+                        [](Exact theta) { return std::sin(theta) * std::sin(theta); }) *
+      integral_of_texel((COLUMN + 0.5L - WIDTH / 2) * STEP, STEP, [](Exact phi) { return std::sin(phi); });
+  constexpr double OWN_OF_SKIES = 1e-5;
+  Sweep sweep(text_of(
+      "one texel of an environment over its radiance", "radiance",
+      fmt::format("{:.1e} for roundings and the known value, {} standard errors", OWN_OF_SKIES, SIGMAS),
+      OWN_OF_SKIES));
+  for (const double radiance : in_equal_ratios(1, 1e8, extent == Extent::Quick ? 3 : 17)) {
+    std::vector<vec3> texels(size_t{WIDTH} * HEIGHT, vec3(1));
+    texels[ROW * WIDTH + COLUMN] =
+        vec3(static_cast<float>(radiance * 1.5));  // not the others', which would be no map
+    Stage stage = lit_plane();
+    stage.set_environment(scene::map_environment(std::move(texels), WIDTH, 0));
+    const PreparedScene prepared = stage.seen_from({0, 0, 0.5}, 0.1);
+    render::RenderSettings settings = settings_of(PT, 32, 8, 2);
+    const Mean device_mean = by_device(device, prepared, settings);
+    settings.width = settings.height = 16;
+    const Mean reference_mean = by_reference(prepared, settings);
+    const Exact truth =
+        ALBEDO * (1 + (static_cast<float>(radiance * 1.5) - 1.0L) * share / std::numbers::pi_v<Exact>);
+    sweep.add(
+        {radiance, device_mean.value, reference_mean.value, truth, 0,
+         static_cast<Exact>(SIGMAS * device_mean.error), static_cast<Exact>(SIGMAS * reference_mean.error)},
+        [&] { return fmt::format("a texel of {:g} in a sky of 1", radiance * 1.5); });
   }
   return sweep;
 }
@@ -228,8 +281,6 @@ PreparedScene furnace(double distance) {
   stage.add_quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, wall);
   return stage.seen_from({-1 + distance, 0.1, 0}, distance / 4);
 }
-
-constexpr double SIGMAS = 6;  // of pixels that are far from normal where geometry terms are large
 
 void add_furnace(Sweep& sweep, double parameter, gpu::Device& device, double distance, double radius) {
   const PreparedScene prepared = furnace(distance);
@@ -256,7 +307,7 @@ Sweep connections_over_distance(gpu::Device& device, Extent extent) {
   Sweep sweep(text_of("all techniques beside an edge of a closed room", "distance from the edge, m",
                       fmt::format("{:.1e} for roundings, {} standard errors", OWN_OF_ROOMS, SIGMAS),
                       OWN_OF_ROOMS));
-  for (const double distance : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 3 : 13))
+  for (const double distance : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 2 : 13))
     add_furnace(sweep, distance, device, distance, 1e-6);
   return sweep;
 }
@@ -266,7 +317,7 @@ Sweep merges_over_radius(gpu::Device& device, Extent extent) {
       text_of("all techniques over the merge radius in a closed room", "merge radius, m",
               fmt::format("{:.1e} for roundings, {} standard errors, and the radius", OWN_OF_ROOMS, SIGMAS),
               OWN_OF_ROOMS));
-  for (const double radius : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 3 : 13))
+  for (const double radius : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 2 : 13))
     add_furnace(sweep, radius, device, 0.2, radius);
   return sweep;
 }
@@ -278,6 +329,7 @@ std::vector<Sweep> sweep_pictures(gpu::Device& device, Extent extent) {
   all.push_back(emitters_over_size(device, extent));
   all.push_back(emitters_over_power(device, extent));
   all.push_back(point_light_over_height(device, extent));
+  all.push_back(environments_over_texel(device, extent));
   all.push_back(connections_over_distance(device, extent));
   all.push_back(merges_over_radius(device, extent));
   return all;
