@@ -240,7 +240,7 @@ Sweep environments_over_texel(gpu::Device& device, Extent extent) {
   const Exact share =
       integral_of_texel((ROW + 0.5L) * STEP, STEP,
                         [](Exact theta) { return std::sin(theta) * std::sin(theta); }) *
-      integral_of_texel((COLUMN + 0.5L - WIDTH / 2) * STEP, STEP, [](Exact phi) { return std::sin(phi); });
+      integral_of_texel((COLUMN + 0.5L - 0.5L * WIDTH) * STEP, STEP, [](Exact phi) { return std::sin(phi); });
   constexpr double OWN_OF_SKIES = 1e-5;
   Sweep sweep(text_of(
       "one texel of an environment over its radiance", "radiance",
