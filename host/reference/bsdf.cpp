@@ -65,7 +65,7 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
   if (const EnergyTables* tables = parameters.energy != nullptr ? parameters.energy : parameters.cover)
     energy_index_ = tables->nearest(std::max(parameters.ior, 1 / parameters.ior));
   if (parameters.cover != nullptr && diffuse_albedo_ != dvec3(0))
-    cover_share_ = cover_share(energy_roughness_);
+    cover_share_ = {cover_share(energy_roughness_), energy_roughness_ > 0 ? 1.0 : 0.0};
   parameters_.fresnel_average =
       parameters.fresnel_average ? *parameters.fresnel_average : fresnel_dielectric_average(parameters.ior);
   for (const bool is_back : {false, true})
@@ -140,9 +140,10 @@ dvec2 Bsdf::cover(double cosine, double eta) const {
 
 dvec3 Bsdf::base_reflectance(double cosine, double eta) const {
   const dvec3 smooth = dielectric_.reflectance(cosine, eta);
-  if (cover_share_ == 0) return smooth;
+  const double share = cover_share_[eta < 1];
+  if (share == 0) return smooth;
   const double position = cover(cosine, eta).y;
-  return glm::mix(smooth, dielectric_.at_position(position), cover_share_);
+  return glm::mix(smooth, dielectric_.at_position(position), share);
 }
 
 /// With energy compensation the facets of a rough interface are met at other angles than the surface: by the
@@ -154,9 +155,9 @@ dvec3 Bsdf::diffuse_transmittance(double cosine, double eta) const {
                      fresnel_dielectric(cosine, eta) + further * (1 - fresnel_normal_incidence(eta)), eta);
   }
   dvec3 passed = 1.0 - base_reflectance(cosine, eta);
-  if (cover_share_ > 0) {
+  if (const double share = cover_share_[eta < 1]; share > 0) {
     const double kept = cover(cosine, eta).x;
-    passed += cover_share_ * (1 - kept) * dielectric_.f0;
+    passed += share * (1 - kept) * dielectric_.f0;
   }
   return passed;
 }
@@ -171,10 +172,10 @@ dvec3 Bsdf::mean_transmittance(bool is_back) const {
   if (parameters_.energy != nullptr && eta >= 1)
     passed -= parameters_.energy->fresnel_mean(energy_index_, energy_roughness_) *
               (dielectric_.f90 - dielectric_.f0);
-  if (cover_share_ > 0) {
+  if (const double share = cover_share_[eta < 1]; share > 0) {
     const dvec2 mean = parameters_.cover->cover_mean(energy_index_, energy_roughness_, eta < 1);
     const dvec3 rough = 1.0 - mean.x * dielectric_.f0 - mean.y * (dielectric_.f90 - dielectric_.f0);
-    passed = glm::mix(passed, rough, cover_share_);
+    passed = glm::mix(passed, rough, share);
   }
   return glm::max(passed, dvec3(1e-6));
 }
@@ -346,7 +347,7 @@ double Bsdf::sheen_share(const dvec3& w) const {
 double Bsdf::cone_share(double eta) const {
   if (eta >= 1) return 0;
   const double in_cone = (dielectric_.f90 - luminance(dielectric_.f0)) * eta * eta;
-  return in_cone > 0 ? (1 - cover_share_) * in_cone / (in_cone + (1 - dielectric_.f90)) : 0;
+  return in_cone > 0 ? (1 - cover_share_[false]) * in_cone / (in_cone + (1 - dielectric_.f90)) : 0;
 }
 
 double Bsdf::diffuse_pdf(double cosine, double eta, double sheen) const {

@@ -208,8 +208,9 @@ class Bsdf {
   uint32_t energy_index_ = 0;  // of the tables for this index of refraction
   bool is_in_relief_shadow_ = false;
   double energy_roughness_ = 0;  // of the material itself, also where a lobe is raised
-  double cover_share_ = 0;       // of parameters_.cover in the base's light, likewise
-  glm::dvec3 diffuse_albedo_;    // (1 - m) (1 - t) base
+  // Of parameters_.cover in the base's light, likewise, from outside and from inside.
+  std::array<double, 2> cover_share_{};
+  glm::dvec3 diffuse_albedo_;  // (1 - m) (1 - t) base
   // That over pi and mean_transmittance, at the front and at the back.
   std::array<glm::dvec3, 2> diffuse_scale_;
 };

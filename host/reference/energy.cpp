@@ -144,15 +144,44 @@ Scattered scatter(const Microsurface& surface, double cosine, double eta) {
   return sums;
 }
 
-double cover_roughness(uint32_t row) {
-  const double begin = COVER_BEGIN_HUNDREDTHS / 100.0;
-  return begin + (1 - begin) * row / (COVER_ROWS - 1);
+double cover_roughness(uint32_t row, bool is_inside) {
+  const double x = static_cast<double>(row) / (COVER_ROWS - 1);
+  return is_inside ? x * x : std::lerp(COVER_BEGIN_HUNDREDTHS / 100.0, 1.0, x);
+}
+
+/// Cosine at which total reflection begins in a solid of this index.
+double critical_cosine(double ior) {
+  return std::sqrt(1 - 1 / (ior * ior));
+}
+
+/// Cosine at place x among the columns of a cover: from inside, beside the critical angle and beside 0, it
+/// goes by the square of the distance.
+double cover_cosine(double x, double ior, bool is_inside) {
+  if (!is_inside) return x * x / ((ENERGY_NODES - 1.0) * (ENERGY_NODES - 1.0));
+  const double critical = critical_cosine(ior);
+  const double beyond = (x - COVER_CRITICAL_NODE) / (ENERGY_NODES - 1.0 - COVER_CRITICAL_NODE);
+  if (beyond >= 0) return critical + (1 - critical) * beyond * beyond;
+  const double odds = x / (COVER_CRITICAL_NODE - x);
+  return critical * odds * odds / (1 + odds * odds);
+}
+
+/// Between which columns of a cover a direction with this cosine lies.
+Place cover_column(double cosine, double ior, bool is_inside) {
+  const double c = std::clamp(cosine, 0.0, 1.0);
+  if (!is_inside) return place_of(std::sqrt(c));
+  const double critical = critical_cosine(ior);
+  const double last = ENERGY_NODES - 1;
+  if (c >= critical)
+    return place_of(std::lerp(COVER_CRITICAL_NODE / last, 1.0, std::sqrt((c - critical) / (1 - critical))));
+  const double odds = std::sqrt(c / (critical - c));
+  return place_of(COVER_CRITICAL_NODE / last * odds / (1 + odds));
 }
 
 /// Where a roughness lies between the rows of a cover.
-Place cover_row(double roughness) {
+Place cover_row(double roughness, bool is_inside) {
   const double begin = COVER_BEGIN_HUNDREDTHS / 100.0;
-  const double scaled = std::clamp((roughness - begin) / (1 - begin), 0.0, 1.0) * (COVER_ROWS - 1);
+  const double x = is_inside ? std::sqrt(roughness) : (roughness - begin) / (1 - begin);
+  const double scaled = std::clamp(x, 0.0, 1.0) * (COVER_ROWS - 1);
   const uint32_t row = std::min(static_cast<uint32_t>(scaled), COVER_ROWS - 2);
   return {row, scaled - row};
 }
@@ -181,19 +210,20 @@ dvec2 EnergyTables::cover_node(uint32_t index, bool is_inside, uint32_t directio
   const size_t node = (index * 2 + is_inside) * size_t{COVER_NODES} + row * ENERGY_NODES + direction;
   return remembered_pair(&cover_nodes_[2 * node], [&] {
     const double ior{indices_[index]};
-    const double root = std::max(fraction(direction), LEAST_POSITION);
-    const double roughness = cover_roughness(row);
-    const Scattered sums =
-        scatter({ndf_, shadowing_, dvec2(roughness * roughness)}, root * root, is_inside ? 1 / ior : ior);
+    const double eta = is_inside ? 1 / ior : ior;
+    const double cosine = std::max(cover_cosine(direction, ior, is_inside), LEAST_POSITION * LEAST_POSITION);
+    const double roughness = cover_roughness(row, is_inside);
     const double normal = fresnel_normal_incidence(ior);
+    if (roughness == 0) return dvec2(1, (fresnel_dielectric(cosine, eta) - normal) / (1 - normal));
+    const Scattered sums = scatter({ndf_, shadowing_, dvec2(roughness * roughness)}, cosine, eta);
     return dvec2(sums.reflected, (sums.fresnel - normal * sums.reflected) / (1 - normal)) /
            static_cast<double>(NODE_POINTS);
   });
 }
 
 dvec2 EnergyTables::cover(uint32_t index, double cosine, double roughness, bool is_inside) const {
-  const Place column = place_of(std::sqrt(std::clamp(cosine, 0.0, 1.0)));
-  const Place row = cover_row(roughness);
+  const Place column = cover_column(cosine, double{indices_[index]}, is_inside);
+  const Place row = cover_row(roughness, is_inside);
   const auto along = [&](uint32_t r) {
     return glm::mix(cover_node(index, is_inside, column.node, r),
                     cover_node(index, is_inside, column.node + 1, r), column.rest);
@@ -202,22 +232,19 @@ dvec2 EnergyTables::cover(uint32_t index, double cosine, double roughness, bool 
 }
 
 dvec2 EnergyTables::cover_row_mean(uint32_t index, bool is_inside, uint32_t row) const {
+  // 2 int f c dc, where f is linear in the place x between columns, by parts.
+  const auto square = [&](double x) { return std::pow(cover_cosine(x, indices_[index], is_inside), 2); };
   dvec2 sum(0);
   for (uint32_t i = 0; i + 1 < ENERGY_NODES; ++i) {
     const dvec2 first = cover_node(index, is_inside, i, row);
     const dvec2 last = cover_node(index, is_inside, i + 1, row);
-    for (int k = 0; k < 2; ++k) {
-      const auto integrand = [&](double c) {
-        return 2 * c * std::lerp(first[k], last[k], std::sqrt(c) * (ENERGY_NODES - 1) - i);
-      };
-      sum[k] += integrate(integrand, fraction(i) * fraction(i), fraction(i + 1) * fraction(i + 1));
-    }
+    sum += last * square(i + 1) - first * square(i) - (last - first) * integrate(square, i, i + 1);
   }
   return sum;
 }
 
 dvec2 EnergyTables::cover_mean(uint32_t index, double roughness, bool is_inside) const {
-  const Place place = cover_row(roughness);
+  const Place place = cover_row(roughness, is_inside);
   const auto of_row = [&](uint32_t row) {
     return remembered_pair(&cover_means_[2 * ((index * 2 + is_inside) * size_t{COVER_ROWS} + row)],
                            [&] { return cover_row_mean(index, is_inside, row); });

@@ -62,8 +62,8 @@ class EnergyTables {
   std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_;
 };
 
-/// How much the tables count for the base of an interface of this roughness, against the reflectance of a
-/// smooth one.
+/// How much the tables count, from outside, for the base of an interface of this roughness, against the
+/// reflectance of a smooth one.
 double cover_share(double roughness);
 
 }  // namespace regulus::reference

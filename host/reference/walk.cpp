@@ -94,6 +94,8 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface*
 // Of the device's tables of rough interfaces against those of the reference
 // (RoughBase.TablesOfDeviceAndReferenceAgree).
 constexpr double COVER_TABLE_ERROR = 6e-6;
+// Of the device's fit of a smooth interface's mean reflectance (fresnel_mean_position).
+constexpr double FRESNEL_FIT_ERROR = 1e-5;
 
 /// A surface point as single precision has it.
 void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
@@ -121,6 +123,7 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
       surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
   }
   surface.cover_error = rounding.moved(0, COVER_TABLE_ERROR);
+  surface.fresnel_error = rounding.moved(0, FRESNEL_FIT_ERROR);
 }
 
 /// A walk on its way.

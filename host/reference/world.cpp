@@ -5,6 +5,7 @@
 #include <map>
 
 #include "reference/path.hpp"
+#include "scene/interfaces.hpp"
 #include "scene/placement.hpp"
 #include "scene/texture.hpp"
 
@@ -53,10 +54,8 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
     sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
   const bool has_rough_bases = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
   if (!compensates_energy && !has_rough_bases) return;
-  std::vector<float> indices;
-  indices.reserve(average.size());
-  for (const auto& [ior, mean] : average) indices.push_back(ior);
-  energy_ = std::make_unique<const EnergyTables>(std::move(indices), ndf, shadowing);
+  energy_ = std::make_unique<const EnergyTables>(scene::interface_indices(scene_.materials, has_contacts()),
+                                                 ndf, shadowing);
   compensates_energy_ = compensates_energy;
 }
 
@@ -243,6 +242,7 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
   if (material.material_class != MATERIAL_CLASS_DIFFUSE)
     (compensates_energy_ ? p.energy : p.cover) = energy_.get();
   p.cover_error = surface.cover_error;
+  *p.fresnel_average += surface.fresnel_error;
   return Bsdf(p);
 }
 

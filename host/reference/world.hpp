@@ -30,10 +30,11 @@ struct Surface {
   /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
   /// Zero if the material is isotropic.
   glm::dvec3 tangent{0};
-  double anisotropy = 0;   ///< strength
-  double cover_error = 0;  ///< of the tables of rough interfaces, as single precision makes them
-  double coverage = 1;     ///< share of the surface that is there
-  double area = 0;         ///< of the triangle, m^2
+  double anisotropy = 0;     ///< strength
+  double cover_error = 0;    ///< of the tables of rough interfaces, as single precision makes them
+  double fresnel_error = 0;  ///< of the mean reflectance of smooth ones
+  double coverage = 1;       ///< share of the surface that is there
+  double area = 0;           ///< of the triangle, m^2
   uint32_t triangle = interface::INVALID_INDEX;
   uint32_t material = interface::INVALID_INDEX;
   uint32_t light = interface::INVALID_INDEX;  ///< of the triangle, if it emits

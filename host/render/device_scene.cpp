@@ -31,7 +31,8 @@ gpu::Buffer energy_tables_of(gpu::Device& device, const PreparedScene& prepared,
   const uint32_t feature =
       plan.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
   const bool is_needed = (prepared.features.bits & feature) != 0;
-  return is_needed ? make_energy_tables(device, prepared.scene.materials, plan) : gpu::Buffer();
+  if (!is_needed) return {};
+  return make_energy_tables(device, prepared.scene.materials, plan, prepared.scene.solids.has_contacts);
 }
 
 double mebibytes(uint64_t bytes) {

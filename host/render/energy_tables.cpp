@@ -1,12 +1,14 @@
 #include "render/energy_tables.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 
 #include "interface/energy.h"
 #include "interface/wavefront.h"
 #include "render/shaders.hpp"
+#include "scene/interfaces.hpp"
 
 namespace regulus::render {
 
@@ -15,12 +17,7 @@ using namespace interface;
 namespace {
 
 // The indices of refraction that get tables, ascending: all of the scene's, or some of them evenly.
-std::vector<float> choose_indices(const std::vector<Material>& materials) {
-  std::vector<float> all;
-  all.reserve(materials.size());
-  for (const Material& material : materials) all.push_back(material.ior);
-  std::ranges::sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
+std::vector<float> choose_indices(std::vector<float> all) {
   if (all.size() <= ENERGY_MAX_INDICES) return all;
   std::vector<float> chosen;
   chosen.reserve(ENERGY_MAX_INDICES);
@@ -61,14 +58,9 @@ void add_means(std::vector<float>& words, size_t plane, size_t means, bool is_by
   }
 }
 
-// A roughness that diffuse bases lie under is looked up from inside too where light gets there.
-bool may_show_inside(const Material& material) {
-  return material.material_class == MATERIAL_CLASS_TRANSMISSIVE && (material.flags & MATERIAL_VOLUME) != 0 &&
-         (material.transmission < 1 || material.transmission_texture != INVALID_INDEX);
-}
-
-// Means of a cover's rows, whose nodes are linear in u = sqrt(cos): 2 int f cos dcos = int f 4 u^3 du.
-void add_cover_means(std::vector<float>& words, size_t side) {
+// Means of the rows of a cover from outside, whose nodes are linear in u = sqrt(cos): 2 int f cos dcos = int
+// f 4 u^3 du.
+void add_outside_means(std::vector<float>& words, size_t side) {
   const auto power = [](double x, int n) { return std::pow(x, n); };
   for (uint32_t row = 0; row < COVER_ROWS; ++row)
     for (size_t word = 0; word < 2; ++word) {
@@ -84,11 +76,55 @@ void add_cover_means(std::vector<float>& words, size_t side) {
     }
 }
 
+// Cosine at place `x` among the columns of a cover from inside (cover_cosine in shaders/lib/cover.glsl).
+double inside_cosine(double x, double critical) {
+  const double from_critical = x - COVER_CRITICAL_NODE;
+  if (from_critical >= 0) {
+    const double part = from_critical / (ENERGY_NODES - 1 - COVER_CRITICAL_NODE);
+    return critical + (1 - critical) * part * part;
+  }
+  const double part = x / COVER_CRITICAL_NODE, rest = 1 - part;
+  return critical * part * part / (part * part + rest * rest);
+}
+
+// int cos^2 dx from one column to the next, by Gauss and Legendre's rule of five points.
+double integral_of_square(uint32_t column, double critical) {
+  constexpr double PLACES[] = {0.0469100770306680, 0.2307653449471585, 0.5, 0.7692346550528415,
+                               0.9530899229693320};
+  constexpr double WEIGHTS[] = {0.1184634425280945, 0.2393143352496832, 0.2844444444444444,
+                                0.2393143352496832, 0.1184634425280945};
+  double sum = 0;
+  for (int i = 0; i < 5; ++i) {
+    const double cosine = inside_cosine(column + PLACES[i], critical);
+    sum += WEIGHTS[i] * cosine * cosine;
+  }
+  return sum;
+}
+
+// Means of the rows of a cover from inside, linear from column to column, by parts:
+// 2 int f cos dcos = [f cos^2] - int f' cos^2 dx.
+void add_inside_means(std::vector<float>& words, size_t side, double ior) {
+  const double critical = std::sqrt((ior - 1) * (ior + 1)) / ior;
+  std::array<double, ENERGY_NODES - 1> integrals;
+  for (uint32_t column = 0; column + 1 < ENERGY_NODES; ++column)
+    integrals[column] = integral_of_square(column, critical);
+  for (uint32_t row = 0; row < COVER_ROWS; ++row)
+    for (size_t word = 0; word < 2; ++word) {
+      const auto value = [&](uint32_t column) {
+        return double{words[side + 2 * (size_t{row} * ENERGY_NODES + column) + word]};
+      };
+      double sum = value(ENERGY_NODES - 1);  // the cosine is 0 at the first column, 1 at the last
+      for (uint32_t column = 0; column + 1 < ENERGY_NODES; ++column)
+        sum -= (value(column + 1) - value(column)) * integrals[column];
+      words[side + 2 * (COVER_NODES + size_t{row}) + word] = static_cast<float>(sum);
+    }
+}
+
 }  // namespace
 
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>& materials,
-                               const CommonSettings& settings) {
-  const std::vector<float> indices = choose_indices(materials);
+                               const CommonSettings& settings, bool has_contacts) {
+  const std::vector<float> indices = choose_indices(scene::interface_indices(materials, has_contacts));
   const size_t count = ENERGY_PER_INDEX + indices.size() * ENERGY_INDEX_WORDS;
   gpu::Buffer tables = device.create_buffer(count * sizeof(float), "energy tables");
   const gpu::Kernel kernel =
@@ -112,7 +148,7 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
       for (const uint32_t quantity : {ENERGY_FRESNEL, ENERGY_SCATTERED_OUT, ENERGY_SCATTERED_IN})
         fill(first_of(i) + (quantity - 1) * ENERGY_PLANE_WORDS, quantity, indices[i]);
   } else {
-    const bool has_inside = std::ranges::any_of(materials, may_show_inside);
+    const bool has_inside = std::ranges::any_of(materials, scene::may_show_base_inside);
     for (size_t i = 0; i < indices.size(); ++i) {
       fill(first_of(i) + ENERGY_COVERS, ENERGY_COVER_OUT, indices[i]);
       if (has_inside) fill(first_of(i) + ENERGY_COVERS + COVER_SIDE_WORDS, ENERGY_COVER_IN, indices[i]);
@@ -129,8 +165,8 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
     if (settings.has_energy_compensation) {
       add_means(words, first, first + 3 * ENERGY_PLANE_WORDS, false);
     } else {
-      for (const size_t side : {size_t{0}, size_t{COVER_SIDE_WORDS}})
-        add_cover_means(words, first + ENERGY_COVERS + side);
+      add_outside_means(words, first + ENERGY_COVERS);
+      add_inside_means(words, first + ENERGY_COVERS + COVER_SIDE_WORDS, indices[i]);
     }
   }
   device.upload(tables, 0, gpu::bytes_of(words));

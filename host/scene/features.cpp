@@ -7,6 +7,7 @@
 
 #include "interface/energy.h"
 #include "interface/wavefront.h"
+#include "scene/interfaces.hpp"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
 
@@ -67,7 +68,8 @@ void find_sharpest_lobes(const Scene& scene, const interface::Material& material
   features.least_refraction_alpha = std::min(features.least_refraction_alpha, roughness * roughness * bend);
 }
 
-/// True if a diffuse base lies under an interface so rough that its own albedo counts (lib/cover.glsl).
+/// True if a diffuse base lies under an interface so rough that its own albedo counts (lib/cover.glsl): from
+/// inside a solid at any roughness.
 bool has_rough_base(const Scene& scene, const interface::Material& material) {
   if (material.material_class == interface::MATERIAL_CLASS_DIFFUSE || material.specular == 0) return false;
   const bool may_diffuse = (material.metallic < 1 || material.metallic_roughness_texture != INVALID_INDEX) &&
@@ -75,7 +77,8 @@ bool has_rough_base(const Scene& scene, const interface::Material& material) {
   float roughness = material.anisotropy > 0 ? 1 : material.roughness;
   if (material.anisotropy == 0 && material.metallic_roughness_texture != INVALID_INDEX)
     roughness *= roughness_range(scene, scene.textures[material.metallic_roughness_texture]).second;
-  return may_diffuse && roughness > 0.01f * interface::COVER_BEGIN_HUNDREDTHS;
+  return may_diffuse &&
+         roughness > (may_show_base_inside(material) ? 0 : 0.01f * interface::COVER_BEGIN_HUNDREDTHS);
 }
 
 uint32_t material_features(const Scene& scene, const interface::Material& material) {

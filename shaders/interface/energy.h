@@ -11,13 +11,16 @@ REGULUS_INTERFACE_BEGIN
 REGULUS_CONSTANT ENERGY_NODES = 64u;
 REGULUS_CONSTANT ENERGY_PLANE_WORDS = ENERGY_NODES * ENERGY_NODES;
 
-// The covers of diffuse bases: pairs of words (R, S) at ENERGY_NODES directions, which go by sqrt(cos), times COVER_ROWS
-// roughnesses from COVER_BEGIN to 1. R is what a perfectly reflecting surface sends back, S the same weighed by the Fresnel
-// position of the facets: of F = F_0 + s (F_90 - F_0) an interface reflects F_0 R + (F_90 - F_0) S.
+// The covers of diffuse bases: pairs of words (R, S) at ENERGY_NODES directions times COVER_ROWS roughnesses. R is what a
+// perfectly reflecting surface sends back, S the same weighed by the Fresnel position of the facets: of F = F_0 + s (F_90 - F_0)
+// an interface reflects F_0 R + (F_90 - F_0) S. From outside directions go by sqrt(cos), roughnesses from COVER_BEGIN to 1.
+// From inside roughnesses go by their square roots, from 0 on, and one node is the direction at which total reflection begins: what passes grows
+// there as the square root of the distance in cosine, or where facets blur it within a distance of alpha.
 REGULUS_CONSTANT COVER_ROWS = 32u;
 REGULUS_CONSTANT COVER_NODES = ENERGY_NODES * COVER_ROWS;
-// Roughness, in hundredths, up to which the smooth interface's reflectance stands for R and S, and from which they count
-// fully; between them by smoothstep.
+REGULUS_CONSTANT COVER_CRITICAL_NODE = 32u;  // from inside; those below it are reflected totally where the interface is smooth
+// Roughness, in hundredths, up to which from outside the smooth interface's reflectance stands for R and S, and from which they
+// count fully; between them by smoothstep.
 REGULUS_CONSTANT COVER_BEGIN_HUNDREDTHS = 10u;
 REGULUS_CONSTANT COVER_FULL_HUNDREDTHS = 20u;
 // Words of one side of an interface: the nodes, then their means 2 int f(cos) cos dcos by roughness.

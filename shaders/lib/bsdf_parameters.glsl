@@ -66,7 +66,8 @@ struct Bsdf {
   bool is_solid;         // it refracts; only with compensates_energy()
   vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
   Sheen sheen;           // only with bsdf_has_sheen()
-  float cover;           // share of the rough interface's own albedo in what the base gets (lib/cover.glsl)
+  vec2 cover;            // share of the rough interface's own albedo in what the base gets, from outside and from inside a
+                         // solid (lib/cover.glsl)
 };
 
 // True if the normals disagree about w, a direction towards the light as the bsdf sees it, and a normal map's relief stands in
@@ -96,10 +97,11 @@ vec3 interface_reflectance(Bsdf bsdf, vec2 position, float k) {
 // is of: the Fresnel position (s, 1 - s) of the light that it reflects, and how much it loses between its facets.
 vec3 base_passage(Bsdf bsdf, float c, float excess) {
   vec2 position = fresnel_position(bsdf, c, refracted_g(c, excess), excess);
-  if (!has_rough_base() || !(bsdf.cover > 0.0)) return vec3(position, 0.0);
+  float cover = excess < 0.0 ? bsdf.cover.y : bsdf.cover.x;
+  if (!has_rough_base() || !(cover > 0.0)) return vec3(position, 0.0);
   vec2 albedo = cover_albedo(bsdf.energy, c, excess < 0.0);
   albedo.y = clamp(albedo.y, bsdf.min_position, 1.0);
-  return vec3(mix(position, vec2(albedo.y, 1.0 - albedo.y), bsdf.cover), bsdf.cover * (1.0 - albedo.x));
+  return vec3(mix(position, vec2(albedo.y, 1.0 - albedo.y), cover), cover * (1.0 - albedo.x));
 }
 
 // What of it reaches the base: 1 - E.
@@ -215,7 +217,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
     bsdf.coat_normal = vec3(0.0, 0.0, 1.0);
     bsdf.is_coat_turned = false;
     bsdf.sheen = NO_SHEEN;
-    bsdf.cover = 0.0;
+    bsdf.cover = vec2(0.0);
     return bsdf;
   }
   float transmission = bsdf_has_transmission() ? material.transmission : 0.0;
@@ -259,7 +261,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
 
   vec3 albedo = (1.0 - transmission) * dielectric;
   bsdf.diffuse = albedo / mean_transmittance(bsdf, ior);
-  bsdf.cover = 0.0;
+  bsdf.cover = vec2(0.0);
 
   float dielectric_share = 1.0 - bsdf.metallic;
   bsdf.diffuse_luminance = vec2((1.0 - bsdf.f90) * dot(albedo, LUMINANCE), dot(albedo * range, LUMINANCE));
@@ -277,7 +279,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
 float cone_share(Bsdf bsdf) {
   if (!bsdf_has_transmission() || !(bsdf.excess < 0.0)) return 0.0;
   float in_cone = (bsdf.f90 - dot(bsdf.f0, LUMINANCE)) / bsdf.inverse_eta_squared;
-  return in_cone > 0.0 ? (1.0 - bsdf.cover) * (in_cone / (in_cone + (1.0 - bsdf.f90))) : 0.0;
+  return in_cone > 0.0 ? (1.0 - bsdf.cover.x) * (in_cone / (in_cone + (1.0 - bsdf.f90))) : 0.0;
 }
 
 // Share of sheen among the diffuse lobe's samples, from a direction with cosine c and that Fresnel position.
@@ -336,11 +338,12 @@ void compensate_energy(DeviceAddress tables, Material material, inout Bsdf bsdf)
 void cover_base(DeviceAddress tables, Material material, inout Bsdf bsdf) {
   if (!(max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0)) return;
   bsdf.energy = find_energy_tables(tables, max(material.ior, 1.0 / material.ior), bsdf.alpha);
-  bsdf.cover = cover_share(bsdf.energy.roughness);
-  vec2 albedo = cover_mean(bsdf.energy, bsdf.excess < 0.0);
+  bsdf.cover = vec2(cover_share(bsdf.energy.roughness), bsdf.energy.roughness > 0.0);
+  bool is_inside = bsdf.excess < 0.0;
+  vec2 albedo = cover_mean(bsdf.energy, is_inside);
   vec3 smooth_mean = mean_transmittance(bsdf, material.ior);
   vec3 passed = dielectric_transmittance(bsdf, vec2(albedo.y, 1.0 - albedo.y)) + (1.0 - albedo.x) * bsdf.f0;
-  bsdf.diffuse *= smooth_mean / mix(smooth_mean, max(passed, vec3(1e-6)), bsdf.cover);
+  bsdf.diffuse *= smooth_mean / mix(smooth_mean, max(passed, vec3(1e-6)), is_inside ? bsdf.cover.y : bsdf.cover.x);
 }
 
 // Mean Fresnel position of a rough surface's facets, for a smooth one's position in that direction.

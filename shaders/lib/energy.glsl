@@ -22,13 +22,17 @@ struct EnergyTables {
   DeviceAddress words;
   uint first;       // of the interface's own planes
   float roughness;  // perceptual
+  float critical;   // cosine at which total reflection begins on the dense side of their interface
 };
 
 float energy_word(EnergyTables tables, uint word) { return LOAD(FloatBuffer, tables.words, word); }
 
+// Cosine at which total reflection begins on the dense side of an interface of index `ior`.
+float critical_cosine(float ior) { return safe_sqrt((ior - 1.0) * (ior + 1.0)) / ior; }
+
 // The tables for an index of refraction: the nearest there are.
 EnergyTables find_energy_tables(DeviceAddress words, float ior, vec2 alpha) {
-  EnergyTables tables = EnergyTables(words, 0u, sqrt(sqrt(alpha.x * alpha.y)));
+  EnergyTables tables = EnergyTables(words, 0u, sqrt(sqrt(alpha.x * alpha.y)), 0.0);
   uint count = min(LOAD(WordBuffer, words, 0u), ENERGY_MAX_INDICES), nearest = 0u;
   float distance = 3.4e38;
   for (uint i = 0u; i < count; ++i) {
@@ -37,6 +41,8 @@ EnergyTables find_energy_tables(DeviceAddress words, float ior, vec2 alpha) {
     distance = min(distance, away);
   }
   tables.first = ENERGY_PER_INDEX + nearest * ENERGY_INDEX_WORDS;
+  float found = energy_word(tables, ENERGY_INDICES + nearest);
+  tables.critical = critical_cosine(found);
   return tables;
 }
 

@@ -24,25 +24,26 @@ float shadowed(vec3 wo, vec3 wi, vec3 h, float o_dot_h, float i_dot_h, float alp
 void main() {
   uint node = gl_GlobalInvocationID.x;
   bool is_cover = arguments.quantity >= ENERGY_COVER_OUT;
+  bool is_inside = arguments.quantity == ENERGY_SCATTERED_IN || arguments.quantity == ENERGY_COVER_IN;
   if (node >= (is_cover ? COVER_NODES : ENERGY_PLANE_WORDS)) return;
   vec2 position = vec2(node % ENERGY_NODES, node / ENERGY_NODES) / float(ENERGY_NODES - 1u);
-  float roughness = is_cover ? cover_roughness(node / ENERGY_NODES) : position.y;
+  float roughness = is_cover ? cover_roughness(node / ENERGY_NODES, is_inside) : position.y;
   float alpha = max(square(roughness), LEAST_ALPHA);
   float cos_o = max(position.x, LEAST_POSITION);
   if (is_cover) {
-    cos_o = square(cos_o);
+    cos_o = cover_cosine(node % ENERGY_NODES, critical_cosine(arguments.ior), is_inside);
   } else if (arguments.quantity != ENERGY_FRESNEL && position.x < 1.0) {
     float cotangent = alpha * cos_o / (1.0 - cos_o);
     cos_o = cotangent * inversesqrt(1.0 + square(cotangent));
   }
   vec3 wo = vec3(safe_sqrt((1.0 - cos_o) * (1.0 + cos_o)), 0.0, cos_o);
-  bool is_inside = arguments.quantity == ENERGY_SCATTERED_IN || arguments.quantity == ENERGY_COVER_IN;
   float excess = (arguments.ior - 1.0) * (arguments.ior + 1.0);
   if (is_inside) excess /= -square(arguments.ior);
   float inverse_eta = is_inside ? arguments.ior : 1.0 / arguments.ior;
   float f0 = square((arguments.ior - 1.0) / (arguments.ior + 1.0));
 
-  float reflected = 0.0, transmitted = 0.0, weighted = 0.0;
+  float transmitted = 0.0;
+  precise vec2 sums = vec2(0.0), carry = vec2(0.0);  // reflected, and weighed by reflectance
   for (uint i = 0u; i < POINTS; ++i) {
     // R3 sequence (Roberts 2018), in integers: its multiples stay exact.
     uvec3 digits = (i + 1u) * uvec3(3518319155u, 2882110345u, 2360945575u);
@@ -56,12 +57,23 @@ void main() {
     vec3 mirrored = 2.0 * c * facet.h - wo;
     if (mirrored.z > 0.0) {
       float share = shadowed(wo, mirrored, facet.h, c, c, alpha, false);
-      reflected += share;
-      weighted += share * fresnel;
+      // Nearly equal numbers are all rounded to one side. Of what is reflected totally the little that is missing counts.
+      precise vec2 added = vec2(share, share * fresnel) - carry;
+      precise vec2 sum = sums + added;
+      carry = arguments.quantity == ENERGY_COVER_IN ? (sum - sums) - added : vec2(0.0);
+      sums = sum;
     }
     vec3 refracted = -inverse_eta * (wo + (excess / max(c + g, MIN_COS)) * facet.h);
     if (g > 0.0 && refracted.z < 0.0)
       transmitted += (1.0 - fresnel) * shadowed(wo, refracted, facet.h, c, g * inverse_eta, alpha, true);
+  }
+  float reflected = sums.x, weighted = sums.y;
+  if (is_cover && roughness == 0.0) {
+    // Exactly 1 at the critical angle, where the square root would make much of one rounding.
+    bool is_total = node % ENERGY_NODES <= COVER_CRITICAL_NODE;
+    float smooth_surface = is_total ? 1.0 : fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess).x;
+    reflected = float(POINTS);
+    weighted = reflected * smooth_surface;
   }
   if (is_cover) {
     float positions = (weighted - f0 * reflected) / (1.0 - f0);
