@@ -26,4 +26,8 @@ layout(constant_id = SPEC_FILM_EXPONENT) const int spec_film_exponent = 0;
 layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
 layout(constant_id = SPEC_RAYS) const uint spec_rays = RAYS_SOFTWARE;
 
+// Without `hit` an emitter that the camera sees directly is found by connecting it to the lens. A macro, as those of
+// lib/bsdf_parameters.glsl.
+#define connects_emitters() ((spec_techniques & (TECHNIQUE_SPLAT | TECHNIQUE_HIT)) == TECHNIQUE_SPLAT)
+
 #endif

@@ -5,9 +5,8 @@
 #include "lib/emission.glsl"
 #include "lib/light_walk.glsl"
 
-// Without `hit` an emitter that the camera sees directly is found by connecting it to the lens.
 void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, uint iteration) {
-  if ((spec_techniques & (TECHNIQUE_SPLAT | TECHNIQUE_HIT)) != TECHNIQUE_SPLAT || stage.round != 0u) return;
+  if (!connects_emitters() || stage.round != 0u) return;
   if (!(emission.area_pdf > 0.0)) return;
   vec4 u = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
   LensSample lens = sample_lens(frame.camera, film_size(frame), emission.point.position, u.zw);
@@ -22,7 +21,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
   PathMedia media = start_media(NO_MEDIA);
   if (has_contacts()) {
-    // From the lens, whose medium is known.
+    // From the lens, whose medium is known, or found by start_media.
     segment.origin = emission.point.position + lens.open_distance * lens.wi;
     segment.direction = -lens.wi;
     segment.t_max = lens.open_distance - emission.point.clearance / abs(cos_light);

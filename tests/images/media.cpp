@@ -72,6 +72,21 @@ TEST_F(Media, APanelAcrossABlockIsTheSameFromBothEnds) {
   expect_equal("panel across a block", by_hits, render_batches(scene, settings, 17, 42));
 }
 
+// Techniques without hits connect emitters to the lens: each through what holds its place on the film.
+TEST_F(Media, EmittersSeenFromAFilmHalfInFog) {
+  const MediaCase c = half_in_a_block();
+  constexpr uint32_t SIZE = 16, SAMPLES = 512;
+  render::RenderSettings settings = box_filtered(SIZE, SIZE, SAMPLES, 2);
+  settings.techniques = interface::TECHNIQUE_SPLAT;
+  // The film sees 1 of the emitter's 64 m^2: what a light path brings is 64 or 16 with a probability of 1 /
+  // 128 each. Five standard errors.
+  const double variance = (64.0 * 64 + 16.0 * 16) / 128 - c.radiance * c.radiance;
+  const double bound = 5 * std::sqrt(variance / (SIZE * SIZE * SAMPLES));
+  const double found = mean_of(render(prepare(c.scene), settings).image)[0];
+  std::printf("%s by splats: %.4f, known %.4f, bound %.1e\n", c.name.c_str(), found, c.radiance, bound);
+  EXPECT_NEAR(found, c.radiance, bound);
+}
+
 // By rays that meet them, by light sampling and by light paths, each alone and together.
 TEST_F(Media, LampsThatOverlapShineOnce) {
   using namespace interface;

@@ -143,5 +143,33 @@ TEST(SceneMissingImages, OtherFaultsOfImagesAreTheSame) {
   shown({{"uri", "http://example.org/x.png"}}, source, "cannot read 'http' URIs");
 }
 
+// KTX2 is not read: a plain image beside it stands for it, or it is missing; where the file cannot do without
+// the extension it is refused.
+TEST(SceneMissingImages, Ktx2IsNamed) {
+  Gltf file;
+  const json only_ktx2 = {{"extensions", {{"KHR_texture_basisu", {{"source", 0}}}}}};
+  file.root["extensionsUsed"] = {"KHR_texture_basisu"};
+  file.root["images"] = {{{"uri", "wood.ktx2"}}};
+  file.root["textures"] = {only_ktx2};
+  file.triangle_of({{"pbrMetallicRoughness", {{"baseColorTexture", TEXTURE}}}});
+  const Scene scene = file.load();
+  EXPECT_EQ(scene.materials.at(0).base_color_texture, INVALID_INDEX);
+  const std::string note = "textures are read from PNG, JPEG and WebP files, not from KTX2";
+  EXPECT_TRUE(has_warning(scene, "extension KHR_texture_basisu is not read: " + note));
+  EXPECT_TRUE(has_warning(scene, "texture 0 has no PNG, JPEG or WebP image"));
+
+  json with_plain = only_ktx2;
+  with_plain["source"] = 1;
+  file.root["textures"] = {with_plain};
+  file.root["images"].push_back({{"uri", "plain.png"}});
+  EXPECT_TRUE(has_warning(file.load(), "plain.png': no such file")) << "what is looked for";
+
+  file.root["extensionsRequired"] = {"KHR_texture_basisu"};
+  EXPECT_NE(load_error(file).find(
+                "requires the extension KHR_texture_basisu, which is not read; export without it: " + note),
+            std::string::npos)
+      << load_error(file);
+}
+
 }  // namespace
 }  // namespace regulus::scene::test

@@ -54,16 +54,6 @@ MediaCase in_a_bubble() {
   return {"camera in a bubble in fog", scene, 0.5, 1e-4, false};
 }
 
-// Half of the film, which is as wide as the block's half, lies in it.
-MediaCase half_in_a_block() {
-  GltfScene scene;
-  scene.set_setting("environment", {{"color", {0, 0, 0}}});
-  scene.add({quad({-4, -4, -2}, {8, 0, 0}, {0, 8, 0})}, emitter(dvec3(1)));
-  scene.add(box({-5, -5, -5}, {0, 5, 5}), grey(1, 0.5));
-  scene.set_orthographic(look_at({0, 0, 0}, {0, 0, -1}), 0.5, 0.5);
-  return {"film half in fog", scene, 0.5 * (1 + 0.25), 1e-4, false};
-}
-
 // 3 m of .5 with a metre of nothing in it, seen from both ends.
 MediaCase hollow(const char* name, double side) {
   GltfScene scene = view({0, 0, side}, {0, 0, 0});
@@ -235,6 +225,15 @@ MediaCase slab(const char* name, double bottom, double nominal, double ior) {
 }
 
 }  // namespace
+
+MediaCase half_in_a_block() {
+  GltfScene scene;
+  scene.set_setting("environment", {{"color", {0, 0, 0}}});
+  scene.add({quad({-4, -4, -2}, {8, 0, 0}, {0, 8, 0})}, emitter(dvec3(1)));
+  scene.add(box({-5, -5, -5}, {0, 5, 5}), grey(1, 0.5));
+  scene.set_orthographic(look_at({0, 0, 0}, {0, 0, -1}), 0.5, 0.5);
+  return {"film half in fog", scene, 0.5 * (1 + 0.25), 1e-4, false};
+}
 
 std::vector<MediaCase> media_cases() {
   const dmat4 turn = glm::rotate(dmat4(1), 0.7, glm::normalize(dvec3(0.3, 1, 0.4))) *

@@ -34,6 +34,9 @@ std::vector<MediaCase> media_cases();
 /// with what the thickness in the file absorbs.
 std::vector<MediaCase> thin_slabs();
 
+/// An emitter seen on a film of which a half, as wide as the block's half, lies in an absorbing block.
+MediaCase half_in_a_block();
+
 /// A floor below a lamp that stands in an absorbing block without an index: radiance of the floor at its
 /// points.
 GltfScene lamp_in_block();
