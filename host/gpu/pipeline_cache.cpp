@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view EXTENSION = ".pipeline";
-constexpr std::array<char, 8> MAGIC = {'R', 'G', 'L', 'S', 'P', 'I', 'P', '2'};
+constexpr std::array<char, 8> MAGIC = {'R', 'G', 'L', 'S', 'P', 'I', 'P', '3'};
 
 /// Stands in the file before the specialized module and the driver's data.
 struct FileHeader {
