@@ -87,6 +87,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
   scene::Scene loaded = scene::load(options.render.scene_file, load_options(options.render));
   apply_scene_settings(command, loaded);
   render::RenderSettings settings = resolve_settings(options.render, loaded);
+  if (command.count("--rays") == 0) settings.rays = RAYS_SOFTWARE;  // it is the kernels that are checked
   if (options.statistics == 0 &&
       (settings.crop.pixels() != 0 || std::isfinite(settings.largest_contribution)))
     throw Error(ErrorCode::BadUsage, "check has --crop and --clamp only with --statistics");

@@ -233,9 +233,9 @@ void declare_device(CLI::App& command, RenderOptions& options) {
   add_setting(
       command, options, "--rays",
       "Who traces rays: kernels (software), Embree in the memory of a software device (host), or auto, "
-      "which is host where device and scene allow")
+      "which is host where device and scene allow (up to two million triangles)")
       ->type_name(listed(names::RAYS))
-      ->default_str("software");
+      ->default_str("auto");
   add_setting(command, options, "--wave",
               "Paths in flight (default: chosen for the device; never changes the picture)")
       ->type_name("N");

@@ -58,8 +58,9 @@ VisibilityCandidate& segment_of(SplatCandidate& candidate) {
 
 }  // namespace
 
-uint32_t resolve_rays(const gpu::DeviceInfo& device, const Plan& plan) {
+uint32_t resolve_rays(const gpu::DeviceInfo& device, const PreparedScene& prepared, const Plan& plan) {
   if (plan.rays == RAYS_SOFTWARE) return RAYS_SOFTWARE;
+  if (plan.rays == RAYS_AUTO && prepared.scene.triangles.size() > MOST_AUTO_TRIANGLES) return RAYS_SOFTWARE;
   const std::string why_not = why_not_on_host(device, plan);
   if (why_not.empty()) return RAYS_HOST;
   if (plan.rays == RAYS_HOST)

@@ -97,7 +97,7 @@ struct Renderer::Impl {
         buffers(device, scene,
                 scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan,
                 capacity),
-        rays(resolve_rays(device.info(), plan)),
+        rays(resolve_rays(device.info(), prepared, plan)),
         pipeline(build_pipeline(device, plan, rays)),
         scan(device),
         work(device, ITEMS_PER_PATH * (plan.wave_paths != 0 ? capacity : WORKGROUP_SIZE), statistics),

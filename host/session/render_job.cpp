@@ -105,7 +105,8 @@ Result render_by_bands(const PreparedScene& prepared, const render::Plan& plan, 
   result.attributes = scene_attributes(prepared.scene, plan);
   result.attributes["regulus:device"] = device.info().name;
   result.attributes["regulus:driver"] = device.info().driver;
-  result.attributes["regulus:rays"] = name_of(render::names::RAYS, render::resolve_rays(device.info(), plan));
+  result.attributes["regulus:rays"] =
+      name_of(render::names::RAYS, render::resolve_rays(device.info(), prepared, plan));
   result.attributes["regulus:samples_done"] = std::to_string(rendered.paths / pixels);
   result.attributes["regulus:render_seconds"] = fmt::format("{:.3f}", rendered.render_seconds);
   result.attributes["regulus:non_finite"] = std::to_string(rendered.non_finite);

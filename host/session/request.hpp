@@ -43,6 +43,9 @@ struct Request {
   bool has_no_sample_limit = false;    ///< render until the time or the noise is reached
   bool has_strategy_images = false;
   render::RenderSettings settings;
+
+  /// What is asked for by default: the settings' own, and rays by who is fastest.
+  Request() { settings.rays = interface::RAYS_AUTO; }
 };
 
 /// What the render is asked to do once the scene is known: size, camera, techniques.
