@@ -9,7 +9,8 @@ namespace regulus::check {
 
 namespace {
 constexpr size_t MOST_DESCRIPTIONS = 3;
-// Of a class, over the shares allowed of all.
+// Of a class, over the shares allowed of all. Classes differ by nature; but by Markov's inequality those
+// whose own share is more than this many times the mean hold less than one over it of all items.
 constexpr double CLASS_SHARE = 10;
 constexpr double TIES_ALLOWED = 0.01;
 // Probability with which a class whose differences come by chance is found to have too many.
