@@ -482,6 +482,8 @@ TEST(DeviceConnections, BehindTheNearPlaneInAMediumAgreeWithTheReference) {
   scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
   scene.add({quad({-0.3, 0.9, 0.3}, {0.6, 0, 0}, {0, 0.1, -0.6})}, emitter({2, 2, 1}, true));
   scene.set_perspective(look_at({0, 1.2, 1.5}, {0, 0, 0}), 0.9);
+  scene.add({quad({-0.1, 1, 1.2}, {0.2, 0, 0}, {0, 0.1, 0})},
+            lambert({0.5, 0.5, 0.5}));  // hidden by the plane
   scene.set_near_plane(0.7);
   expect_agreement(prepare(scene), CheckedConnections::settings(REGULARIZATION_NONE));
 }
