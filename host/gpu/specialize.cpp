@@ -37,8 +37,7 @@ std::vector<uint32_t> with_special_values(const std::vector<uint32_t>& module) {
 }
 
 /// Variables become values, and branches that known values decide go. Functions are left to the driver to
-/// inline: that would need their early returns merged, after which lavapipe rounds some sums in another
-/// order.
+/// inline: that would need their early returns merged, which makes cold compilations longer.
 void register_values(spvtools::Optimizer& optimizer) {
   constexpr uint32_t MOST_MEMBERS = 100;  // of a structure that is taken apart
   optimizer.RegisterPass(spvtools::CreateLocalSingleBlockLoadStoreElimPass())
