@@ -40,7 +40,6 @@ constexpr size_t QUICK_MODELS = 5;  // with all three forms of the directional b
 
 // Roundings that the inputs are moved by, one after the other.
 constexpr double ULPS = 2 * 0x1p-23;
-constexpr double DOUBLE_ULPS = 0x1p-29;  // of double, in those of float
 
 /// A pair in extended precision, whose inputs can be moved.
 struct ExactCase {
@@ -222,11 +221,11 @@ struct BsdfResults {
     const double ulps = c.inputs.wi.z < 0 ? ULPS * std::max(1.0f, c.inputs.material.ior) : ULPS;
     const std::array<Exact, 1> moved = moved_by(exact, truth, ulps, weight_of);
     const double expected = reference_weight(c, model);
-    // A facet between two directions that nearly cancel turns with a rounding of float as far as it can: what
-    // one of double does is no share of that.
-    Exact moved_reference = 0;
-    if (std::abs(expected - truth[0]) > OWN_REFERENCE_ERROR * truth[0])
-      moved_reference = moved_by(exact, truth, ulps * DOUBLE_ULPS, weight_of)[0];
+    // Directions have unit length but for a rounding of double, and with a facet between directions that
+    // nearly cancel cos = |wo + wi| / 2 is as little: the reference's cosine errs by 2^-51 / |wo + wi|^2 of
+    // itself.
+    const ExactVector sum = unit(exact.wo) + unit(exact.wi);
+    const Exact moved_reference = truth[0] * 0x1p-51L / dot(sum, sum);
     weight.add({c.parameter, found.weight, expected, truth[0], moved[0], 0, moved_reference},
                [&] { return describe(c, model, "weight"); });
   }
