@@ -7,9 +7,9 @@
 
 #include "check/check.hpp"
 #include "check/item_class.hpp"
-#include "check/reference_render.hpp"
 #include "reference/estimator.hpp"
 #include "reference/renderer.hpp"
+#include "render/reference_settings.hpp"
 #include "render/renderer.hpp"
 
 namespace regulus::check {
@@ -186,7 +186,7 @@ Tally check_image(gpu::Device& device, const Subject& subject, const char* name,
   renderer.render([](uint64_t, uint64_t) { return true; });
   const image::Image image = render::resolve(renderer.film());
 
-  const reference::Settings wanted = reference_settings(plan);
+  const reference::Settings wanted = render::reference_settings(plan);
   std::vector<std::string> classes;
   for (uint32_t pixel = 0; pixel < settings.width * settings.height; ++pixel)
     classes.push_back(first_class(reference_walk(subject, wanted, pixel, plan.first_sample, 0)));

@@ -10,11 +10,6 @@
 
 namespace regulus::check {
 
-/// The reference's settings for a plan.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: clamping shares of both or of
-/// sampler quality.
-reference::Settings reference_settings(const render::Plan& plan);
-
 /// A render by the reference: the mean image and the iterations (samples of every pixel) in it.
 struct ReferenceRender {
   image::Image image;

@@ -90,12 +90,16 @@ void declare_quality(CLI::App& command, RenderOptions& options) {
 
 void declare_transport(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
-  add_setting(command, options, "-i,--integrator", "A named set of techniques")
+  add_setting(command, options, "-i,--integrator",
+              "A named set of techniques; auto: those that suit the scene (`regulus plan` tells among which)")
       ->type_name(listed(names::INTEGRATORS))
       ->default_str(options.integrator);
   add_setting(command, options, "--techniques",
               "The techniques themselves, separated by commas: hit,nee,splat,connect,merge")
       ->type_name("NAMES");
+  add_setting(command, options, "--settings-from",
+              "Picture whose techniques and regularization to use instead of choosing them")
+      ->type_name("FILE");
   add_setting(command, options, "--max-depth", "Longest path, in edges")
       ->type_name("N")
       ->default_str(std::to_string(settings.max_depth));

@@ -160,7 +160,9 @@ Json regularization_json(const render::Plan& plan) {
   if (plan.regularization != REGULARIZATION_NONE)
     return {{"used", true}, {"why", fmt::format("tau {:g}", plan.tau)}};
   const std::string* why = plan.why_dropped("regularization");
-  return {{"used", false}, {"why", why ? "dropped: " + *why : "the settings ask for none"}};
+  if (why != nullptr) return {{"used", false}, {"why", "dropped: " + *why}};
+  const bool is_chosen = !plan.asked.techniques && !plan.asked.regularization;
+  return {{"used", false}, {"why", is_chosen ? plan.techniques_rule : "the settings ask for none"}};
 }
 
 /// A point of the scene's frame in the file's world.
@@ -183,39 +185,41 @@ Json inspect(const InspectOptions& options) {
   const render::RenderSettings settings = default_settings(scene, warnings);
   const render::Plan plan = make_plan(prepared, settings);
   const reference::MergeRadius radius = choose_merge_radius(prepared, settings, &warnings);
-  return {{"file", scene.path.string()},
-          {"hash", fmt::format("{:016x}", scene.hash)},
-          {"size", {plan.width, plan.height}},
-          {"bounds", {in_world(scene, scene.bounds_min), in_world(scene, scene.bounds_max)}},
-          {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
-          {"cameras", cameras_json(scene)},
-          {"meshes", scene.inventory.meshes},
-          {"instances", scene.inventory.instances},
-          {"triangles", scene::placed_triangle_count(scene)},
-          {"stored_triangles", scene.triangles.size()},
-          {"shared_meshes", scene.shared_meshes.size()},
-          {"copies", scene.instances.size()},
-          {"vertices", scene.vertices.size()},
-          {"materials", materials_json(scene)},
-          {"lights", lights_json(scene)},
-          {"variants", scene.inventory.variants},
-          {"animations", animations_json(scene)},
-          {"pose", pose_json(scene)},
-          {"images", scene.inventory.images},
-          {"textures", scene.textures.size()},
-          {"bytes", memory_json(prepared, plan)},
-          {"extensions",
-           {{"read", scene.inventory.extensions_read}, {"ignored", scene.inventory.extensions_ignored}}},
-          {"settings", scene.settings},
-          {"features", features_json(prepared.features)},
-          {"stages", stages_json(plan)},
-          {"regularization", regularization_json(plan)},
-          {"merge_radius",
-           {{"metres", radius.metres},
-            {"rule", radius.rule},
-            {"used", (plan.techniques & TECHNIQUE_MERGE) != 0}}},
-          {"dropped", dropped_json(plan)},
-          {"warnings", warnings}};
+  return {
+      {"file", scene.path.string()},
+      {"hash", fmt::format("{:016x}", scene.hash)},
+      {"size", {plan.width, plan.height}},
+      {"bounds", {in_world(scene, scene.bounds_min), in_world(scene, scene.bounds_max)}},
+      {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
+      {"cameras", cameras_json(scene)},
+      {"meshes", scene.inventory.meshes},
+      {"instances", scene.inventory.instances},
+      {"triangles", scene::placed_triangle_count(scene)},
+      {"stored_triangles", scene.triangles.size()},
+      {"shared_meshes", scene.shared_meshes.size()},
+      {"copies", scene.instances.size()},
+      {"vertices", scene.vertices.size()},
+      {"materials", materials_json(scene)},
+      {"lights", lights_json(scene)},
+      {"variants", scene.inventory.variants},
+      {"animations", animations_json(scene)},
+      {"pose", pose_json(scene)},
+      {"images", scene.inventory.images},
+      {"textures", scene.textures.size()},
+      {"bytes", memory_json(prepared, plan)},
+      {"extensions",
+       {{"read", scene.inventory.extensions_read}, {"ignored", scene.inventory.extensions_ignored}}},
+      {"settings", scene.settings},
+      {"features", features_json(prepared.features)},
+      {"stages", stages_json(plan)},
+      {"techniques", {{"set", render::technique_set_name(plan.techniques)}, {"rule", plan.techniques_rule}}},
+      {"regularization", regularization_json(plan)},
+      {"merge_radius",
+       {{"metres", radius.metres},
+        {"rule", radius.rule},
+        {"used", (plan.techniques & TECHNIQUE_MERGE) != 0}}},
+      {"dropped", dropped_json(plan)},
+      {"warnings", warnings}};
 }
 
 // The same with strings that a terminal may be shown.
@@ -275,6 +279,8 @@ void print(const Json& scene) {
     say("  without        {:<18} kernels lose {}\n", name, removes.get<std::string>());
   say("stages           {}\n", listed(scene["stages"]["run"]));
   say("  skipped        {}\n", listed(scene["stages"]["skipped"]));
+  say("techniques       {}: {}\n", scene["techniques"]["set"].get<std::string>(),
+      scene["techniques"]["rule"].get<std::string>());
   say("regularization   {}: {}\n", scene["regularization"]["used"] ? "on" : "off",
       scene["regularization"]["why"].get<std::string>());
   for (const Json& dropped : scene["dropped"])

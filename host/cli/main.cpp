@@ -54,6 +54,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   regulus::cli::add_render_command(app);
   regulus::cli::add_inspect_command(app);
+  regulus::cli::add_plan_command(app);
   regulus::cli::add_check_command(app);
   regulus::cli::add_devices_command(app);
   regulus::cli::add_diff_command(app);

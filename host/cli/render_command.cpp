@@ -184,6 +184,9 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
   if (has_checkpoint(options)) job.earlier = session::read_checkpoint(options.checkpoint, scene, plan);
   for (const std::string& warning : scene.warnings) say_warning(scene, warning, session);
   for (const std::string& warning : plan.warnings) say_warning(scene, warning, session);
+  if (!settings.techniques)
+    spdlog::info("techniques {}{}: {}", render::technique_set_name(plan.techniques),
+                 plan.regularization != 0 ? " with regularization" : "", plan.techniques_rule);
   for (const render::Dropped& dropped : plan.dropped)
     spdlog::info("without {}: {}", dropped.what, dropped.why);
   times.bvh_seconds = session.stopwatch.lap();

@@ -87,7 +87,8 @@ void make_strategy_folder(const fs::path& folder) {
 
 std::vector<fs::path> strategy_files(const fs::path& folder, const render::RenderSettings& settings) {
   std::vector<fs::path> files = {folder / SHEET};
-  for (const render::Strategy& strategy : render::list_strategies(settings.techniques, settings.max_depth))
+  const uint32_t techniques = settings.techniques.value_or(render::ALL_TECHNIQUES);
+  for (const render::Strategy& strategy : render::list_strategies(techniques, settings.max_depth))
     for (const char* ending : {WEIGHTED, UNWEIGHTED}) files.push_back(folder / (strategy.name() + ending));
   return files;
 }

@@ -27,9 +27,10 @@ inline constexpr std::array<Name, 5> TECHNIQUES = {{{"hit", TECHNIQUE_HIT},
                                                     {"splat", TECHNIQUE_SPLAT},
                                                     {"connect", TECHNIQUE_CONNECT},
                                                     {"merge", TECHNIQUE_MERGE}}};
-/// Named sets of techniques.
-inline constexpr std::array<Name, 5> INTEGRATORS = {
-    {{"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
+/// Named sets of techniques; no technique: those that suit the scene.
+inline constexpr std::array<Name, 6> INTEGRATORS = {
+    {{"auto", 0},
+     {"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
      {"lt", TECHNIQUE_SPLAT},
      {"bpt", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT},
      {"bpm", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE},
@@ -90,6 +91,16 @@ inline const Name* find_name(Names names, std::string_view name) {
   for (const Name& entry : names)
     if (name == entry.name) return &entry;
   return nullptr;
+}
+
+/// A set of techniques by its own name, or by theirs: bpt, or hit,nee,splat.
+inline std::string technique_set_name(uint32_t techniques) {
+  for (const Name& entry : names::INTEGRATORS)
+    if (entry.value == techniques) return entry.name;
+  std::string list;
+  for (const Name& technique : names::TECHNIQUES)
+    if ((techniques & technique.value) != 0) list += (list.empty() ? "" : ",") + std::string(technique.name);
+  return list;
 }
 
 }  // namespace regulus::render

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "reference/merge_radius.hpp"
+#include "render/names.hpp"
+#include "render/technique_choice.hpp"
 
 namespace regulus::render {
 
@@ -34,12 +36,29 @@ std::string why_not_regularized(const Plan& plan) {
   return fmt::format("no lobe is sharper than tau {:g} allows", plan.tau);
 }
 
+// What `auto` chooses takes the place of what was not said.
+void choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
+  const RenderSettings& asked = plan.asked;
+  if (asked.techniques) {
+    plan.techniques = *asked.techniques;
+    plan.techniques_rule = "given";
+    // Measured: merging finds what regularization would, and gains nothing from it (docs/results.md).
+    const bool has_merges = (plan.techniques & TECHNIQUE_MERGE) != 0;
+    plan.regularization =
+        asked.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
+    return;
+  }
+  const TechniqueChoice choice = choose_techniques(prepared, asked);
+  plan.techniques = choice.techniques;
+  plan.regularization = choice.regularization & ~names::REGULARIZATION_MODES;
+  plan.techniques_rule = choice.why;
+  if (asked.regularization || plan.regularization != REGULARIZATION_NONE) return;
+  if (const std::string why = why_not_regularized(plan); !why.empty())
+    plan.dropped.push_back({"regularization", why});
+}
+
 void plan_regularization(Plan& plan) {
   const RenderSettings& asked = plan.asked;
-  // Measured: merging finds what regularization would, and gains nothing from it (docs/results.md).
-  const bool has_merges = (asked.techniques & TECHNIQUE_MERGE) != 0;
-  plan.regularization =
-      asked.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
   if (plan.regularization == REGULARIZATION_NONE) return;
   plan.regularization |= asked.regularization_modes;
   const std::string why = why_not_regularized(plan);
@@ -49,7 +68,6 @@ void plan_regularization(Plan& plan) {
 }
 
 void plan_techniques(Plan& plan) {
-  plan.techniques = plan.asked.techniques;
   const auto drop = [&](uint32_t technique, const char* name, const char* why) {
     if ((plan.techniques & technique) == 0) return;
     plan.techniques &= ~technique;
@@ -120,6 +138,7 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
   static_cast<CommonSettings&>(plan) = settings;
   plan.asked = settings;
   plan.features = prepared.features;
+  choose_what_is_open(plan, prepared);
   plan_regularization(plan);
   plan_techniques(plan);
   plan.light_sampling = has(plan, TECHNIQUE_NEE) ? scene::resolve_light_sampling(settings.light_sampling,

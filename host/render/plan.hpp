@@ -40,6 +40,7 @@ struct LightVertexPlan {
 /// A render of a scene with every choice made. Made by make_plan() alone.
 struct Plan : CommonSettings {
   uint32_t techniques = 0;                                    ///< those that can contribute
+  std::string techniques_rule;                                ///< in words, why these
   uint32_t light_sampling = interface::LIGHT_SAMPLING_POWER;  ///< LIGHT_SAMPLING_*, never _AUTO
   uint32_t light_paths = 0;                                   ///< per iteration
   float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged

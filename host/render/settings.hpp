@@ -16,6 +16,8 @@ inline constexpr float DEFAULT_TAU = 5;
 /// Techniques that need light subpaths.
 inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
     interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+inline constexpr uint32_t ALL_TECHNIQUES =
+    interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES;
 
 /// A rectangle of pixels.
 struct Window {
@@ -71,7 +73,8 @@ struct CommonSettings {
 /// What a render is asked to do. What is done is a Plan (render/plan.hpp), which alone decides what is left
 /// open here.
 struct RenderSettings : CommonSettings {
-  uint32_t techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;  ///< TECHNIQUE_* bits
+  /// TECHNIQUE_* bits; none: those that suit the scene, see choose_techniques().
+  std::optional<uint32_t> techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
   std::optional<uint32_t> light_paths;  ///< per iteration (one sample of every pixel); none: one per pixel
   std::optional<float> merge_radius;    ///< metres, of the first iteration; none: by what the camera sees

@@ -37,7 +37,7 @@ uint32_t capacity_for(const Plan& plan, uint32_t paths) {
 }  // namespace
 
 Plan plan_recording(const PreparedScene& prepared, RenderSettings settings, uint32_t techniques) {
-  settings.techniques &= techniques;
+  settings.techniques = settings.techniques.value_or(ALL_TECHNIQUES) & techniques;
   settings.light_paths.reset();
   return make_plan(prepared, settings);
 }

@@ -5,6 +5,7 @@
 
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
+#include "render/reference_settings.hpp"
 #include "reference/merge_radius.hpp"
 
 namespace regulus::session {
@@ -42,10 +43,10 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   asked.merge_radius = std::max(render::choose_merge_radius(subject.prepared, asked).metres,
                                 static_cast<float>(0.05 * extent));
   asked.keeps_merge_radius = true;
-  const render::Plan plan = plan_recording(subject.prepared, asked, asked.techniques);
+  const render::Plan plan = plan_recording(subject.prepared, asked, *asked.techniques);
   if ((plan.techniques & BOTH) != BOTH) return true;  // nothing in the scene can be connected
   render::StageRecorder recorder(device, subject.prepared, plan, plan.width * plan.height);
-  const reference::Settings wanted = check::reference_settings(plan);
+  const reference::Settings wanted = render::reference_settings(plan);
   const check::Subject same{subject.prepared, subject.world, subject.camera, plan, wanted};
   std::vector<check::Tally> sorting, connections;
   const auto add = [](std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
@@ -88,7 +89,7 @@ bool check_everything(gpu::Device& device, const check::Subject& subject, const 
     asked.techniques = WALK_TECHNIQUES;
     const render::Plan plan = plan_recording(subject.prepared, asked);
     render::StageRecorder recorder(device, subject.prepared, plan, pixels);
-    const reference::Settings walking = check::reference_settings(plan);
+    const reference::Settings walking = render::reference_settings(plan);
     const check::Subject same{subject.prepared, subject.world, subject.camera, plan, walking};
     const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.plan.first_sample);
     for (const check::Tally& tally : check_stages(same, render::Pass::Camera, camera))
@@ -125,7 +126,7 @@ CheckedPlan::CheckedPlan(const PreparedScene& prepared, const render::Plan& plan
       world_(prepared, plan.ndf, plan.shadowing, plan.asked.light_sampling, plan.has_energy_compensation),
       camera_(scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan.width,
               plan.height),
-      settings_(check::reference_settings(plan_)),
+      settings_(render::reference_settings(plan_)),
       subject_{prepared, world_, camera_, plan_, settings_} {}
 
 }  // namespace regulus::session

@@ -17,7 +17,7 @@ constexpr uint64_t COPIES_IN_WRITING = 3;
 
 uint64_t bytes_per_pixel(const render::RenderSettings& settings, bool holds_sums, bool is_in_bands) {
   uint64_t layers = 1;
-  if ((settings.techniques & interface::TECHNIQUE_SPLAT) != 0) ++layers;
+  if ((settings.techniques.value_or(render::ALL_TECHNIQUES) & interface::TECHNIQUE_SPLAT) != 0) ++layers;
   if ((settings.aovs & render::AOV_VARIANCE) != 0) layers += 2;
   const uint64_t sums = layers * interface::FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
   const uint64_t rgb = 3 * sizeof(float);

@@ -43,6 +43,7 @@ nlohmann::json settings_json(const render::Plan& plan) {
           {"seed", plan.seed},
           {"sampler", name_of(names::SAMPLER, plan.sampler)},
           {"techniques", technique_names(plan.techniques)},
+          {"techniques_rule", plan.techniques_rule},
           {"light_sampling", name_of(names::LIGHT_SAMPLING, plan.light_sampling)},
           {"light_paths", plan.light_paths},
           {"cache_connections", plan.cache_connections},
@@ -72,7 +73,7 @@ nlohmann::json asked_json(const render::Plan& plan) {
   const auto given = [](const auto& value) {
     return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
   };
-  return {{"techniques", technique_names(asked.techniques)},
+  return {{"techniques", asked.techniques ? technique_names(*asked.techniques) : nlohmann::json(nullptr)},
           {"light_sampling", name_of(names::LIGHT_SAMPLING, asked.light_sampling)},
           {"light_paths", given(asked.light_paths)},
           {"merge_radius", given(asked.merge_radius)},

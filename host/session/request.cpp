@@ -4,10 +4,12 @@
 
 #include <charconv>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "base/error.hpp"
 #include "base/near_names.hpp"
+#include "image/image.hpp"
 #include "render/aov.hpp"
 
 namespace regulus::session {
@@ -108,6 +110,33 @@ void parse_merge_radius(const std::string& text, render::RenderSettings& setting
     settings.merge_radius = value;
 }
 
+/// What is open of techniques and regularization becomes what the header of a picture says.
+void repeat_choice(const std::string& file, render::RenderSettings& settings) {
+  image::Attributes attributes;
+  image::read_exr(file, &attributes);
+  const auto techniques = attributes.find("regulus:techniques");
+  const auto regularization = attributes.find("regulus:regularization");
+  const auto list = techniques == attributes.end()
+                        ? nlohmann::json()
+                        : nlohmann::json::parse(techniques->second, nullptr, false);
+  const render::Name* kind =
+      regularization == attributes.end() ? nullptr : find_name(names::REGULARIZATION, regularization->second);
+  uint32_t bits = 0;
+  for (const nlohmann::json& name : list.is_array() ? list : nlohmann::json::array()) {
+    const render::Name* found =
+        name.is_string() ? find_name(names::TECHNIQUES, name.get<std::string>()) : nullptr;
+    if (found != nullptr) bits |= found->value;
+  }
+  if (bits == 0 || kind == nullptr)
+    throw Error(ErrorCode::BadFile,
+                fmt::format("settings-from {}: its header does not say how it was rendered; give an OpenEXR "
+                            "picture that `regulus render` wrote",
+                            file));
+  if (settings.techniques) return;
+  settings.techniques = bits;
+  if (!settings.regularization) settings.regularization = kind->value;
+}
+
 }  // namespace
 
 render::Window parse_window(const std::string& setting, const std::string& text, const glm::uvec2& size) {
@@ -139,9 +168,11 @@ render::RenderSettings resolve_settings(const Request& request, const scene::Sce
   if (!request.crop.empty()) settings.crop = parse_window("crop", request.crop, size);
   if (!request.sample_range.empty()) parse_sample_range(request.sample_range, settings);
   settings.aovs = render::parse_aovs(request.aovs);
-  settings.techniques =
+  const uint32_t techniques =
       parse_technique_set(request.techniques.empty() ? request.integrator : request.techniques);
+  settings.techniques = techniques == 0 ? std::nullopt : std::optional(techniques);
   settings.regularization = request.regularization;
+  if (!request.settings_from.empty()) repeat_choice(request.settings_from, settings);
   settings.regularization_modes = request.tau_schedule | request.diffusion;
   settings.cache_connections = parse_connections(request.connections);
   if (!request.merge_radius.empty()) parse_merge_radius(request.merge_radius, settings);

@@ -28,8 +28,9 @@ struct Request {
   std::string aovs;          ///< comma-separated
   std::string size;          ///< WxH; empty: the scene's resolution, else 1280 wide at the camera's aspect
   std::string camera;        ///< index or name; empty: the first
-  std::string integrator = "pt";
+  std::string integrator = "auto";
   std::string techniques;  ///< comma-separated; empty: the integrator's
+  std::string settings_from;  ///< picture whose techniques and regularization `auto` repeats; empty: it chooses
   std::string connections = "paired";
   std::optional<uint32_t>
       regularization;  ///< REGULARIZATION_*; none: roughness, but nothing where vertices are merged
@@ -49,7 +50,7 @@ struct Request {
 };
 
 /// What the render is asked to do once the scene is known: size, camera, techniques.
-/// @throws regulus::SettingError
+/// @throws regulus::SettingError, regulus::Error (BadFile) for a picture of `settings_from` that says nothing
 render::RenderSettings resolve_settings(const Request& request, const scene::Scene& scene);
 
 /// A rectangle x0,y0,x1,y1 of a film of `size` pixels, from the top left, x1 and y1 excluded.
@@ -57,7 +58,7 @@ render::RenderSettings resolve_settings(const Request& request, const scene::Sce
 /// @throws regulus::SettingError if it is anything else, empty or not within the film
 render::Window parse_window(const std::string& setting, const std::string& text, const glm::uvec2& size);
 
-/// TECHNIQUE_* bits of an integrator's name or of a comma-separated list of techniques.
+/// TECHNIQUE_* bits of an integrator's name, 0 of `auto`, or of a comma-separated list of techniques.
 /// @throws regulus::SettingError
 uint32_t parse_technique_set(const std::string& text);
 

@@ -129,6 +129,7 @@ std::vector<Setting> make_table() {
   return {
       {"integrator", list_of(names::INTEGRATORS), name_in(&Request::integrator, names::INTEGRATORS)},
       {"techniques", "a list of " + list_of(names::TECHNIQUES), text_for(&Request::techniques)},
+      {"settings-from", "an OpenEXR picture of a render", text_for(&Request::settings_from)},
       {"light-paths", "per iteration, 1 to 2^28", whole(&RenderSettings::light_paths, 1, 1u << 28)},
       {"light-sampling", list_of(names::LIGHT_SAMPLING),
        choice(&RenderSettings::light_sampling, names::LIGHT_SAMPLING)},
@@ -170,7 +171,7 @@ std::vector<Setting> make_table() {
 }
 
 // Which samples, and how they are rendered: not a scene's business.
-const std::set<std::string_view> NOT_OF_SCENES = {"samples", "rays", "wave"};
+const std::set<std::string_view> NOT_OF_SCENES = {"samples", "rays", "wave", "settings-from"};
 // What the loader reads of scenes[].extras.regulus, and what only the command line has.
 const std::set<std::string_view> READ_ELSEWHERE = {"environment", "variant", "animation", "at",
                                                    "frames",      "fps",     "exposure"};

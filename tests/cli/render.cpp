@@ -83,8 +83,8 @@ TEST_F(Render, WritesPictureMetadataAndPreview) {
 // done.
 TEST_F(Render, RecordsWhatWasDoneAndWhatWasDropped) {
   for (const char* backend : {"vulkan", "reference"}) {
-    const Finished finished = run({"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "--backend",
-                                   backend, "--stats", stats()});
+    const Finished finished = run({"render", gltf(), "-o", exr(), "-i", "pt", "--size", "4x4", "-s", "1",
+                                   "--backend", backend, "--stats", stats()});
     ASSERT_EQ(finished.status, 0) << finished.err;
     image::Attributes attributes;
     image::read_exr(exr(), &attributes);
@@ -99,12 +99,47 @@ TEST_F(Render, RecordsWhatWasDoneAndWhatWasDropped) {
         "regularization: no surface has a microfacet lobe; technique hit: the scene has no emitter that "
         "a ray can meet");
   }
-  ASSERT_EQ(run({"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "--stats", stats()}).status, 0);
+  const Arguments small = {"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "--stats", stats()};
+  Arguments given = small;
+  given.insert(given.end(), {"-i", "pt"});
+  ASSERT_EQ(run(given).status, 0);
   const json s = read_stats();
   EXPECT_EQ(s.at("settings").at("regularization"), "none");
+  EXPECT_EQ(s.at("settings").at("techniques_rule"), "given");
   EXPECT_EQ(s.at("asked").at("techniques"), json({"hit", "nee"}));
   EXPECT_TRUE(s.at("asked").at("regularization").is_null());
   EXPECT_EQ(s.at("dropped").size(), 2u);
+  ASSERT_EQ(run(small).status, 0);
+  const json chosen = read_stats();
+  EXPECT_EQ(chosen.at("settings").at("techniques"), json({"nee"})) << "a point's light on a diffuse surface";
+  EXPECT_TRUE(chosen.at("asked").at("techniques").is_null());
+  EXPECT_NE(chosen.at("settings").at("techniques_rule"), "given");
+}
+
+// The choice of one picture for another: its techniques and regularization, unless they are given.
+TEST_F(Render, RepeatsWhatAPictureSays) {
+  ASSERT_EQ(run({"render", gltf(), "-o", exr(), "--size", "4x4", "-s", "1", "-i", "bpt"}).status, 0);
+  const std::string again = (folder_ / "again.exr").string();
+  ASSERT_EQ(run({"render", gltf(), "-o", again, "--size", "4x4", "-s", "2", "--settings-from", exr()}).status,
+            0);
+  image::Attributes first, second;
+  image::read_exr(exr(), &first);
+  image::read_exr(again, &second);
+  EXPECT_EQ(first["regulus:techniques"], "[\"nee\",\"splat\",\"connect\"]");
+  EXPECT_EQ(second["regulus:techniques"], first["regulus:techniques"]);
+  EXPECT_EQ(second["regulus:regularization"], first["regulus:regularization"]);
+  expect_error(run({"render", gltf(), "-o", again, "--settings-from", gltf()}), 3, {"scene.gltf"});
+}
+
+TEST_F(Render, PlanShowsAmongWhatIsChosen) {
+  const std::string file = (folder_ / "plan.json").string();
+  const Finished finished = run({"plan", gltf(), "--size", "8x8", "--json", file});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  EXPECT_NE(finished.out.find("chosen: nee"), std::string::npos) << finished.out;
+  std::ifstream stream(file);
+  const json plan = json::parse(stream);
+  EXPECT_EQ(plan.at("techniques"), "nee");
+  EXPECT_EQ(plan.at("candidates").size(), 8u) << "with and without splats, connections and merges";
 }
 
 TEST_F(Render, SameCommandTwiceGivesTheSamePixels) {

@@ -252,8 +252,8 @@ TEST_F(Surfaces, SheenReflectsWhatItsFormulasSay) {
   scene.add(turned(box({-9, -9, -9}, {9, 9, 9})), emitter({1, 1, 1}));
   scene.set_orthographic(look_at({0.1 * std::sqrt(0.75), 0, 0.05}, {0, 0, 0}), 0.01, 0.01);
   constexpr double KNOWN = 0.187854;
-  for (const uint32_t techniques :
-       {render::names::INTEGRATORS[0].value, render::names::INTEGRATORS[2].value}) {
+  for (const uint32_t techniques : {find_name(render::names::INTEGRATORS, "pt")->value,
+                                    find_name(render::names::INTEGRATORS, "bpt")->value}) {
     render::RenderSettings settings = box_filtered(16, 16, 32, 2);
     settings.techniques = techniques;  // pt, bpt
     const auto batches = render_batches(prepare(scene), settings, 11, 300);

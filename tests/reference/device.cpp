@@ -9,6 +9,7 @@
 
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
+#include "render/reference_settings.hpp"
 #include "images/support/copies.hpp"
 #include "images/support/prepared_scene.hpp"
 #include "images/support/render_scene.hpp"
@@ -54,7 +55,7 @@ class Checked {
     reference::Settings wanted = reference_;
     wanted.width = wanted.height = 12;
     wanted.samples = 4;
-    wanted.techniques = asked.techniques;
+    wanted.techniques = asked.techniques.value_or(render::ALL_TECHNIQUES);
     wanted.max_depth = reference_depth;
     const render::Plan plan = make_plan(prepared_, asked);
     return check::check_statistics(*device(), {prepared_, world_, camera_, plan, wanted}, 9, std::nullopt,
@@ -278,10 +279,10 @@ class CheckedConnections {
       : prepared_(std::move(prepared)),
         world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
                settings.has_energy_compensation),
-        recorder_(*device(), prepared_, plan_recording(prepared_, settings, settings.techniques),
+        recorder_(*device(), prepared_, plan_recording(prepared_, settings, *settings.techniques),
                   SIZE * SIZE),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE),
-        reference_(check::reference_settings(recorder_.plan())) {}
+        reference_(render::reference_settings(recorder_.plan())) {}
 
   /// A narrow bound `tau` and wide merges make much of what regularization does.
   static render::RenderSettings settings(uint32_t regularization, float tau = 20) {

@@ -49,8 +49,6 @@ TEST(Stages, WithoutLightSamplingNothingIsTracedForVisibility) {
       (Names{"camera_generate", "trace_closest", "camera_bounce.transmissive", "accumulate", "count_work"}));
 }
 
-constexpr uint32_t ALL_TECHNIQUES =
-    TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
 
 /// A plan for an empty scene that is said to have these features; merges have a radius.
 Plan plan_of(const scene::Features& features, RenderSettings settings) {
@@ -192,7 +190,7 @@ TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
   const Plan plain = plan_of(features, settings);
   EXPECT_EQ(most_paths(plain, GROUPS, MUCH), GROUPS * 64) << "a path has one item in any queue";
   EXPECT_EQ(most_paths(plain, MUCH, 64 * 1000), 1000u) << "paths are the largest array";
-  settings.techniques |= TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
   settings.max_depth = 1024;
   const Plan paired = plan_of(features, settings);
   EXPECT_EQ(most_paths(paired, GROUPS, MUCH), GROUPS * 64 / 1024);
