@@ -65,6 +65,8 @@ void print_tally(const check::Tally& tally) {
 bool check_images(gpu::Device& device, const check::Subject& subject, const CheckOptions& options) {
   std::optional<uint32_t> other;
   if (!options.against.empty()) other = session::parse_technique_set(options.against);
+  if (other == 0u)
+    throw Error(ErrorCode::BadUsage, "--against auto: name the set of techniques to compare with");
   say("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
       subject.plan.samples, subject.plan.width, subject.plan.height,
       other ? options.against : "the reference");
@@ -95,7 +97,7 @@ void run_check(CLI::App& command, CheckOptions& options) {
     throw Error(ErrorCode::BadUsage, "check has no --frames; give the time of one with --at");
   const PreparedScene prepared = prepare(std::move(loaded));
   const scene::Scene& scene = prepared.scene;
-  settings = session::one_regularization(prepared, settings);
+  settings = session::one_choice(prepared, settings);
   const render::Plan plan = make_plan(prepared, settings);
   for (const std::string& warning : plan.warnings) spdlog::warn("{}: {}", scene.path.string(), warning);
   if (options.statistics > 0 && options.statistics < check::fewest_batches(plan))

@@ -105,8 +105,8 @@ std::vector<CheckLine> check_device(const Plan& plan, const Device& device,
   if (asked.crop.pixels() != 0 || std::isfinite(asked.largest_contribution))
     throw Error(ErrorCode::BadUsage,
                 "a check compares whole films without clamping; leave out crop and clamp");
-  const session::CheckedPlan checked(
-      prepared, render::make_plan(prepared, session::one_regularization(prepared, asked.asked)));
+  const session::CheckedPlan checked(prepared,
+                                     render::make_plan(prepared, session::one_choice(prepared, asked.asked)));
   std::vector<CheckLine> lines;
   session::check_everything(gpu_device, checked.subject(), [&](const check::Tally& tally) {
     lines.push_back({tally.name(), tally.items(), tally.is_passed(), tally.line()});
@@ -125,7 +125,10 @@ TracedPath trace_path(const Plan& plan, const Device& device, uint32_t x, uint32
   const uint32_t pixel = y * asked.width + x;
   const session::CheckedPlan checked(prepared, asked);
   const check::Subject& subject = checked.subject();
-  render::StageRecorder recorder(gpu_device, prepared, plan_recording(prepared, asked.asked), 1);
+  render::RenderSettings chosen = asked.asked;
+  chosen.techniques = asked.techniques;
+  chosen.regularization = asked.regularization;
+  render::StageRecorder recorder(gpu_device, prepared, plan_recording(prepared, chosen), 1);
   const render::Recording recording = recorder.record(render::Pass::Camera, pixel, sample);
   const auto walk =
       walk_from_camera(subject.world, subject.camera, subject.reference_settings, pixel, sample);

@@ -5,8 +5,8 @@
 
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
-#include "render/reference_settings.hpp"
 #include "reference/merge_radius.hpp"
+#include "render/reference_settings.hpp"
 
 namespace regulus::session {
 
@@ -116,8 +116,11 @@ bool check_everything(gpu::Device& device, const check::Subject& subject, const 
   return is_passed;
 }
 
-render::RenderSettings one_regularization(const PreparedScene& prepared, render::RenderSettings settings) {
-  if (!settings.regularization) settings.regularization = make_plan(prepared, settings).regularization;
+render::RenderSettings one_choice(const PreparedScene& prepared, render::RenderSettings settings) {
+  if (settings.techniques && settings.regularization) return settings;
+  const render::Plan plan = make_plan(prepared, settings);
+  settings.techniques = plan.techniques;
+  settings.regularization = plan.regularization;
   return settings;
 }
 

@@ -29,9 +29,9 @@ class CheckedPlan {
   check::Subject subject_;
 };
 
-/// Settings that leave the regularization to the plan get the plan's: one for all sets of techniques that are
-/// checked, what a render by these settings would do.
-render::RenderSettings one_regularization(const PreparedScene& prepared, render::RenderSettings settings);
+/// Settings that leave techniques or regularization to the plan get the plan's: one regularization for all
+/// sets of techniques that are checked, what a render by these settings would do.
+render::RenderSettings one_choice(const PreparedScene& prepared, render::RenderSettings settings);
 
 using TallySink = std::function<void(const check::Tally&)>;
 

@@ -38,6 +38,11 @@ const std::set<std::string> OF_THE_RUN = {"regulus:first_sample",
                                           "regulus:non_finite",
                                           "regulus:scene"};
 
+/// What was asked for, and why something was done: parts go by what was done, however it came to that.
+bool is_a_reason(const std::string& key) {
+  return key.starts_with("regulus:asked_") || key.ends_with("_rule") || key == "regulus:dropped";
+}
+
 // "0:16,32:16"
 std::vector<SampleRange> parse_ranges(const std::filesystem::path& path, const std::string& text) {
   std::vector<SampleRange> ranges;
@@ -215,7 +220,7 @@ void require_same_render(const std::string& name, const image::Attributes& attri
   all.insert(other.begin(), other.end());
   for (const auto& entry : all) {
     const std::string& key = entry.first;
-    if (!key.starts_with("regulus:") || OF_THE_RUN.contains(key)) continue;
+    if (!key.starts_with("regulus:") || OF_THE_RUN.contains(key) || is_a_reason(key)) continue;
     const std::string own = value_in(attributes, key), others = value_in(other, key);
     if (own != others)
       throw Error(ErrorCode::BadFile,

@@ -81,6 +81,17 @@ TEST_F(RenderParts, MergedRangesAreTheirUnionBitByBit) {
   }
 }
 
+// What one part was asked for another one chose, or took from the first: done alike, they are one render.
+TEST_F(RenderParts, BelongTogetherByWhatWasDone) {
+  for (const char* name : {"a.exr", "b.exr", "merged.exr"}) fs::remove(file(name));
+  render("a.exr", {"-i", "bpt", "--samples", "0:2"});
+  render("b.exr", {"--settings-from", file("a.exr"), "--samples", "2:1"});
+  const Finished merged = run({"merge", file("merged.exr"), file("a.exr"), file("b.exr")});
+  ASSERT_EQ(merged.status, 0) << merged.err;
+  render("all.exr", {"-i", "bpt", "--samples", "0:3"});
+  EXPECT_TRUE(contents("all.exr").channels == contents("merged.exr").channels);
+}
+
 TEST_F(RenderParts, WhatDoesNotBelongTogetherIsRefused) {
   render("a.exr", {"--samples", "0:2"});
   render("overlapping.exr", {"--samples", "1:2"});
