@@ -98,10 +98,12 @@ double missing_share(const Findings& findings, uint32_t techniques);
 /// @param findings with regularization
 double hidden_variance(const Findings& findings, const std::vector<double>& scales, uint32_t techniques);
 
-/// What every set without regularization has as variance at least, if regularized paths find light where others have
-/// found none: n samples of a tile that miss light of the mean m miss something that is found less often than once in
-/// n, and so has a second moment of n m^2 or more. A quarter of a tile's scale is left to regularization's own errors.
-double unfound_variance(const Findings& plain, const Findings& regularized, const std::vector<double>& scales);
+/// What every set without regularization has as variance at least, if regularized paths find light where
+/// others have found none: n samples of a tile that miss light of the mean m miss something that is found
+/// less often than once in n, and so has a second moment of n m^2 or more. A quarter of a tile's scale is
+/// left to regularization's own errors.
+double unfound_variance(const Findings& plain, const Findings& regularized,
+                        const std::vector<double>& scales);
 
 /// The means of plain findings, and of regularized ones where those find what the plain ones do not.
 std::vector<TileMeans> joint_means(const Findings& plain, const Findings& regularized,

@@ -13,8 +13,9 @@ namespace regulus::render {
 struct Candidate {
   uint32_t techniques = 0;
   uint32_t regularization = interface::REGULARIZATION_NONE;
-  double error = 0;  ///< estimated relative squared error of one sample of every pixel; infinite: it never converges
-  double cost = 0;   ///< of that sample, counted: 1 is about what a path of `pt` of four edges takes
+  double error =
+      0;  ///< estimated relative squared error of one sample of every pixel; infinite: it never converges
+  double cost = 0;  ///< of that sample, counted: 1 is about what a path of `pt` of four edges takes
 
   /// Error at equal time, and what is least for the set that suits best.
   double error_at_equal_time() const { return error * cost; }

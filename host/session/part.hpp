@@ -49,7 +49,8 @@ std::string encode_part(const std::filesystem::path& path, const render::Film& f
 std::vector<std::string> saturation_warnings(const render::Film& film);
 
 /// Checks that two files hold samples of one render: all settings, the scene and the version of Regulus
-/// agree as they were done, but for the samples. @throws regulus::Error (BadFile) that names a setting in which they differ
+/// agree as they were done, but for the samples. @throws regulus::Error (BadFile) that names a setting in
+/// which they differ
 void require_same_render(const std::string& name, const image::Attributes& attributes,
                          const std::string& other_name, const image::Attributes& other);
 

@@ -30,7 +30,8 @@ struct Request {
   std::string camera;        ///< index or name; empty: the first
   std::string integrator = "auto";
   std::string techniques;  ///< comma-separated; empty: the integrator's
-  std::string settings_from;  ///< picture whose techniques and regularization `auto` repeats; empty: it chooses
+  std::string
+      settings_from;  ///< picture whose techniques and regularization `auto` repeats; empty: it chooses
   std::string connections = "paired";
   std::optional<uint32_t>
       regularization;  ///< REGULARIZATION_*; none: roughness, but nothing where vertices are merged

@@ -9,10 +9,10 @@
 
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
-#include "render/reference_settings.hpp"
 #include "images/support/copies.hpp"
 #include "images/support/prepared_scene.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/reference_settings.hpp"
 
 namespace regulus::test {
 namespace {

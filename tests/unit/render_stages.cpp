@@ -49,7 +49,6 @@ TEST(Stages, WithoutLightSamplingNothingIsTracedForVisibility) {
       (Names{"camera_generate", "trace_closest", "camera_bounce.transmissive", "accumulate", "count_work"}));
 }
 
-
 /// A plan for an empty scene that is said to have these features; merges have a radius.
 Plan plan_of(const scene::Features& features, RenderSettings settings) {
   PreparedScene prepared;
