@@ -23,44 +23,6 @@ namespace {
 
 constexpr uint32_t MISS = interface::INVALID_INDEX;
 
-/// A soup in [-1, 1]^3 of triangles of sizes from a hundredth to the whole, some of them slivers.
-Triangles make_soup(Random& random, uint32_t count) {
-  Triangles triangles;
-  for (uint32_t i = 0; i < count; ++i) {
-    const glm::dvec3 center = 2.0 * random.cube() - 1.0;
-    const double size = random.log_uniform(0.01, 1);
-    const glm::dvec3 along = size * random.direction();
-    const double width = random.uniform() < 0.3 ? random.log_uniform(1e-6, 1e-2) : 1;
-    const glm::dvec3 across = width * size * random.direction();
-    triangles.push_back({{glm::vec3(center), glm::vec3(center + along), glm::vec3(center + across)}, i});
-  }
-  return triangles;
-}
-
-/// Rays from around and inside of [-1, 1]^3, a quarter of them along axes or with a zero component.
-Rays make_rays(Random& random, uint32_t count) {
-  Rays rays;
-  for (uint32_t i = 0; i < count; ++i) {
-    const glm::dvec3 origin = random.uniform(0.5, 3) * (2.0 * random.cube() - 1.0);
-    glm::dvec3 direction = (2.0 * random.cube() - 1.0) - origin;
-    if (i % 8 == 0) direction[static_cast<int>(random.index(3))] = 0;
-    if (i % 8 == 1) direction = random.uniform() < 0.5 ? glm::dvec3(0, -1, 0) : glm::dvec3(0, 0, 1);
-    const float t_max = i % 4 == 0 ? static_cast<float>(random.uniform(0.1, 3)) : UNBOUNDED;
-    rays.push_back(make_ray(origin, direction, t_max));
-  }
-  return rays;
-}
-
-void transform(Triangles& triangles, Rays& rays, double scale, glm::dvec3 shift) {
-  const auto moved = [&](glm::vec3 p) { return glm::vec3(scale * glm::dvec3(p) + shift); };
-  for (bvh::InputTriangle& triangle : triangles)
-    for (glm::vec3& vertex : triangle.vertices) vertex = moved(vertex);
-  for (interface::BenchRay& ray : rays) {
-    ray.origin = moved(ray.origin);
-    if (ray.t_max < UNBOUNDED) ray.t_max *= static_cast<float>(scale);
-  }
-}
-
 std::vector<uint32_t> all_of(const Triangles& triangles) {
   std::vector<uint32_t> indices(triangles.size());
   std::iota(indices.begin(), indices.end(), 0u);

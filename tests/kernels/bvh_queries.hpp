@@ -21,6 +21,13 @@ inline constexpr float UNBOUNDED = 3.0e38f;
 /// Ray with a unit direction.
 interface::BenchRay make_ray(glm::dvec3 origin, glm::dvec3 direction, float t_max = UNBOUNDED);
 
+/// A soup in [-1, 1]^3 of triangles of sizes from a hundredth to the whole, some of them slivers.
+Triangles make_soup(Random& random, uint32_t count);
+/// Rays from around and inside of [-1, 1]^3, a quarter of them along axes or with a zero component.
+Rays make_rays(Random& random, uint32_t count);
+/// Scales both, then shifts them.
+void transform(Triangles& triangles, Rays& rays, double scale, glm::dvec3 shift);
+
 /// Triangles on the device, and queries against them through the kernels of shaders/bench.
 class RayQueries {
  public:

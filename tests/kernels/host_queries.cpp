@@ -27,46 +27,15 @@ PreparedScene scene_of(const Triangles& triangles) {
   return prepared;
 }
 
-/// Triangles of sizes from a hundredth to the whole of [-1, 1]^3, a third of them slivers.
-Triangles soup(Random& random, uint32_t count) {
-  Triangles triangles;
-  for (uint32_t i = 0; i < count; ++i) {
-    const glm::dvec3 corner = 2.0 * random.cube() - 1.0;
-    const double size = random.log_uniform(0.01, 1);
-    const glm::dvec3 along = size * random.direction();
-    const double width = i % 3 == 0 ? random.log_uniform(1e-6, 1e-2) : 1;
-    const glm::dvec3 across = width * size * random.direction();
-    triangles.push_back({{glm::vec3(corner), glm::vec3(corner + along), glm::vec3(corner + across)}, i});
-  }
-  return triangles;
-}
-
-Rays rays_through(Random& random, uint32_t count) {
-  Rays rays;
-  for (uint32_t i = 0; i < count; ++i) {
-    const glm::dvec3 origin = random.uniform(0.5, 3) * (2.0 * random.cube() - 1.0);
-    glm::dvec3 direction = (2.0 * random.cube() - 1.0) - origin;
-    if (i % 8 == 0) direction[static_cast<int>(random.index(3))] = 0;
-    rays.push_back(
-        make_ray(origin, direction, i % 4 == 0 ? static_cast<float>(random.uniform(0.1, 3)) : UNBOUNDED));
-  }
-  // The kernels' rules for rays that are none.
+/// Rays through the soup, and some that are none: those have rules of their own in the kernels.
+Rays all_rays(Random& random, uint32_t count) {
+  Rays rays = make_rays(random, count);
   constexpr float NAN_VALUE = std::numeric_limits<float>::quiet_NaN();
   rays.push_back({{0, 0, 0}, UNBOUNDED, {0, 0, 0}, 0});
   rays.push_back({{NAN_VALUE, 0, 0}, UNBOUNDED, {1, 0, 0}, 0});
   rays.push_back({{0, 0, 0}, UNBOUNDED, {NAN_VALUE, 1, 0}, 0});
   rays.push_back({{-3, 0, 0}, -1, {1, 0, 0}, 0});
   return rays;
-}
-
-void move(Triangles& triangles, Rays& rays, double scale, const glm::dvec3& shift) {
-  const auto moved = [&](const glm::vec3& p) { return glm::vec3(scale * glm::dvec3(p) + shift); };
-  for (bvh::InputTriangle& triangle : triangles)
-    for (glm::vec3& corner : triangle.vertices) corner = moved(corner);
-  for (interface::BenchRay& ray : rays) {
-    ray.origin = moved(ray.origin);
-    if (ray.t_max < UNBOUNDED) ray.t_max *= static_cast<float>(scale);
-  }
 }
 
 bool has_same_bits(const interface::Hit& a, const interface::Hit& b) {
@@ -82,9 +51,9 @@ class HostQueries : public testing::TestWithParam<std::pair<double, glm::dvec3>>
 // Whatever differs must be right as well: a ray through an edge, of which each side finds one triangle.
 TEST_P(HostQueries, HaveTheKernelsBits) {
   Random random(base_seed());
-  Triangles triangles = soup(random, 3000);
-  Rays rays = rays_through(random, 20000);
-  move(triangles, rays, GetParam().first, GetParam().second);
+  Triangles triangles = make_soup(random, 3000);
+  Rays rays = all_rays(random, 20000);
+  transform(triangles, rays, GetParam().first, GetParam().second);
   RayQueries kernels(triangles);
   const std::vector<interface::Hit> expected = kernels.closest(rays);
   const std::vector<bool> is_blocked = kernels.any(rays);
