@@ -22,6 +22,9 @@ constexpr double NOMINAL_SAMPLES = 64;
 constexpr uint32_t PROBED_ITERATION = 24;
 constexpr double MOST_OF_A_PATH = 16;  // times the scale of its tile
 constexpr double NOTHING = 1e-4;       // share of the light that may be missed for good
+// Merges are judged as those of a film of at most so many pixels: on larger ones they are found in plenty,
+// and to find as many would take as long as a picture.
+constexpr double MOST_PIXELS = 1 << 22;
 // A set that is expected to be that near to the best is as good, as far as the probe can tell.
 constexpr double AS_GOOD = 1.15;
 
@@ -56,7 +59,7 @@ Plan plan_probe(const PreparedScene& prepared, const RenderSettings& asked, uint
   shrink_film(small);
   Plan plan = make_plan(prepared, small);
   // Fewer light paths merge as often as all of them do if they are seen from farther away.
-  const double pixels = static_cast<double>(asked.width) * asked.height;
+  const double pixels = std::min(static_cast<double>(asked.width) * asked.height, MOST_PIXELS);
   const double probed_pixels = static_cast<double>(small.width) * small.height;
   plan.merge_radius *= static_cast<float>(std::sqrt(pixels / probed_pixels));
   return plan;
@@ -101,10 +104,12 @@ void add_candidates(const probe::Findings& findings, const Truth& truth, uint32_
 const Candidate& choose(const std::vector<Candidate>& candidates) {
   const double least =
       std::ranges::min(candidates, {}, &Candidate::error_at_equal_time).error_at_equal_time();
-  const Candidate* chosen = nullptr;
+  const Candidate* chosen = &candidates.front();
+  bool is_found = false;
   for (const Candidate& candidate : candidates) {
     if (!(candidate.error_at_equal_time() <= AS_GOOD * least)) continue;
-    if (chosen == nullptr || candidate.cost < chosen->cost) chosen = &candidate;
+    if (!is_found || candidate.cost < chosen->cost) chosen = &candidate;
+    is_found = true;
   }
   return *chosen;
 }
@@ -115,6 +120,7 @@ TechniqueChoice choose_techniques(const PreparedScene& prepared, const RenderSet
   if (prepared.scene.lights.empty())
     return {PATH_TRACING, REGULARIZATION_NONE, "the scene has no lights", {}};
   const Plan plain = plan_probe(prepared, settings, settings.regularization.value_or(REGULARIZATION_NONE));
+  if (plain.techniques == 0) return {PATH_TRACING, REGULARIZATION_NONE, "no technique finds a light", {}};
   const reference::World world(prepared, plain.ndf, plain.shadowing, settings.light_sampling,
                                plain.has_energy_compensation);
   probe::Findings findings = probe::find_paths(world, reference_settings(plain));

@@ -189,6 +189,19 @@ TEST(TechniqueChoice, SuitsScenesThatAreKnown) {
   EXPECT_NE(cornell.techniques & (TECHNIQUE_SPLAT | TECHNIQUE_MERGE), 0u) << "caustics of a glass ball";
 }
 
+// A probe of a film of a billion pixels takes as long as that of four million.
+TEST(TechniqueChoice, IsAsCheapForTheLargestFilm) {
+  const PreparedScene prepared = prepare(room(plastic({0.2, 0.6, 0.8}, 0.4)));
+  render::RenderSettings settings = open_settings();
+  settings.width = settings.height = 2048;
+  const render::TechniqueChoice large = choose_techniques(prepared, settings);
+  settings.width = settings.height = 32768;
+  const render::TechniqueChoice largest = choose_techniques(prepared, settings);
+  ASSERT_EQ(large.candidates.size(), largest.candidates.size());
+  for (size_t i = 0; i < large.candidates.size(); ++i)
+    EXPECT_EQ(large.candidates[i].error, largest.candidates[i].error);
+}
+
 TEST(TechniqueChoice, TakesWhatIsGiven) {
   const PreparedScene prepared = prepare(room(metal({0.9, 0.8, 0.7}, 0.2)));
   render::RenderSettings settings = open_settings();
