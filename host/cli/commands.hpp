@@ -12,5 +12,6 @@ void add_check_command(CLI::App& app);
 void add_inspect_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
+void add_farm_command(CLI::App& app);
 
 }  // namespace regulus::cli

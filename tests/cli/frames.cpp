@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -148,6 +149,22 @@ TEST_F(Frames, EveryFrameIsThePictureOfItsTimeInFilesOfItsOwn) {
     std::ifstream stats(file(std::string("s.000") + number + ".json"));
     EXPECT_EQ(json::parse(stats)["scene"]["animation_seconds"], std::stoi(number) / 4.0);
   }
+}
+
+TEST_F(Frames, OfAFarmAreThoseOfOneProcess) {
+  const Arguments settings = {"--frames", "1:3", "--fps", "4", "--animation", "slide"};
+  Arguments all = {"-o", file("f.exr")},
+            tasks = {"farm", file("scene.gltf"), "-o",  file("t.exr"), "--for", "shell",       "--parts",
+                     "2",    "--size",           "8x8", "-s",          "1",     "--max-depth", "1"};
+  for (Arguments* arguments : {&all, &tasks})
+    arguments->insert(arguments->end(), settings.begin(), settings.end());
+  ASSERT_EQ(render(all).status, 0);
+  ASSERT_EQ(run(tasks).status, 0);
+  ASSERT_EQ(std::system(("sh " + file("t.farm.sh")).c_str()), 0);
+  for (const char* number : {"0001", "0002", "0003"})
+    EXPECT_TRUE(contents(fmt::format("t.{}.exr", number)).channels ==
+                contents(fmt::format("f.{}.exr", number)).channels);
+  EXPECT_FALSE(fs::exists(file("t.0000.exr")) || fs::exists(file("t.0004.exr")));
 }
 
 TEST_F(Frames, PartsOfDifferentPosesDoNotMerge) {
