@@ -13,5 +13,9 @@ void add_inspect_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
 void add_farm_command(CLI::App& app);
+void add_doctor_command(CLI::App& app);
+
+/// `completion` and `man`, which describe all commands of `app` that are there when they run.
+void add_completion_commands(CLI::App& app);
 
 }  // namespace regulus::cli

@@ -43,10 +43,11 @@ std::string HelpFormatter::make_option_desc(const CLI::Option* option) const {
   std::string text = option->get_description();
   if (!option->get_default_str().empty() && option->get_type_size() != 0)
     text += fmt::format(" (default: {})", option->get_default_str());
+  // Hidden options have no name here.
   for (const CLI::Option* other : option->get_needs())
-    text += fmt::format(" (only with {})", other->get_name());
+    if (!other->get_name().empty()) text += fmt::format(" (only with {})", other->get_name());
   for (const CLI::Option* other : option->get_excludes())
-    text += fmt::format(" (not with {})", other->get_name());
+    if (!other->get_name().empty()) text += fmt::format(" (not with {})", other->get_name());
   return wrapped(std::move(text), DESCRIPTION_WIDTH);
 }
 

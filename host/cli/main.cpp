@@ -61,6 +61,8 @@ int run(int argc, char** argv) {
   regulus::cli::add_merge_command(app);
   regulus::cli::add_farm_command(app);
   regulus::cli::add_bench_command(app);
+  regulus::cli::add_doctor_command(app);
+  regulus::cli::add_completion_commands(app);
   regulus::cli::refuse_empty_values(app);
   const std::vector<std::string> arguments = regulus::cli::read_arguments(app, argc, argv);
   try {

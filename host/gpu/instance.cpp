@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "gpu/limits.hpp"
+#include "gpu/machine.hpp"
 #include "gpu/selection.hpp"
 
 namespace regulus::gpu {
@@ -144,6 +145,15 @@ std::vector<DeviceInfo> list_devices() {
   if (const auto instance = Instance::open())
     for (Candidate& candidate : find_devices(*instance)) devices.push_back(std::move(candidate.info));
   return devices;
+}
+
+bool has_vulkan_loader() {
+  try {
+    const vk::raii::Context context;
+    return true;
+  } catch (const std::runtime_error&) {
+    return false;
+  }
 }
 
 }  // namespace regulus::gpu

@@ -9,6 +9,9 @@
 #include <cstring>
 #include <fstream>
 
+#include "gpu/limits.hpp"
+#include "gpu/machine.hpp"
+
 namespace regulus::gpu {
 namespace {
 
@@ -70,6 +73,20 @@ fs::path cache_folder() {
   if (const char* cache = std::getenv("XDG_CACHE_HOME"); cache && *cache) return fs::path(cache) / "regulus";
   if (const char* home = std::getenv("HOME"); home && *home) return fs::path(home) / ".cache" / "regulus";
   return {};
+}
+
+KernelCache find_kernel_cache() {
+  KernelCache cache{.folder = cache_folder(), .most_kernels = CACHED_KERNELS};
+  std::error_code error;
+  for (fs::directory_iterator it(cache.folder, error), end; !error && it != end; it.increment(error)) {
+    if (it->path().extension() != EXTENSION) continue;
+    std::error_code gone;
+    const uint64_t bytes = it->file_size(gone);
+    if (gone) continue;
+    ++cache.kernels;
+    cache.bytes += bytes;
+  }
+  return cache;
 }
 
 PipelineCacheFile::PipelineCacheFile(const fs::path& folder, const DriverIdentity& driver,
