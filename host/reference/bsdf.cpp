@@ -34,7 +34,16 @@ double luminance(const dvec3& color) {
 }
 
 dvec3 reflection_half_vector(const dvec3& wo, const dvec3& wi) {
-  return normalize(wo + wi);
+  // Sum and difference of unit vectors are orthogonal. Where they nearly cancel, the sum is so short that
+  // what rounding does to their lengths turns it: wo.h = |sum| / 2 would err by 2^-51 / |sum|^2. Directions
+  // in single precision are no unit vectors; they keep the sum that they have.
+  constexpr double LARGEST_ROUNDING = 1e-15;
+  const dvec3 sum = wo + wi;
+  const dvec3 apart = wo - wi;
+  const double excess = dot(sum, apart);  // of one squared length over the other
+  const double across = dot(apart, apart);
+  if (across <= dot(sum, sum) || std::abs(excess) > LARGEST_ROUNDING) return normalize(sum);
+  return normalize(sum - apart * (excess / across));
 }
 
 dvec3 refraction_half_vector(const dvec3& wo, const dvec3& wi, double eta) {
