@@ -20,6 +20,9 @@ std::vector<Sweep> sweep_lights(gpu::Device& device, Extent extent);
 /// Pictures of scenes whose radiance is known.
 std::vector<Sweep> sweep_pictures(gpu::Device& device, Extent extent);
 
+/// Connections and merges where surfaces meet: corners, borders of materials, the horizon.
+std::vector<Sweep> sweep_connections(gpu::Device& device, Extent extent);
+
 /// Sums of the film, and samples that it must refuse.
 std::vector<Sweep> sweep_film(gpu::Device& device, Extent extent);
 

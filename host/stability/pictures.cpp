@@ -1,16 +1,12 @@
 // Small pictures of scenes whose radiance is known, by the device and by the reference: emitters of any size
-// and power, lights that touch what they light, connections and merges where surfaces meet.
+// and power, lights that touch what they light, skies with one bright texel.
 #include <fmt/format.h>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-#include "check/reference_render.hpp"
-#include "prepared/prepared_scene.hpp"
-#include "render/renderer.hpp"
-#include "scene/environment.hpp"
 #include "stability/families.hpp"
+#include "stability/stage.hpp"
 
 namespace regulus::stability {
 
@@ -22,111 +18,6 @@ namespace {
 
 constexpr double PI = std::numbers::pi;
 constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t VCM = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
-
-Material diffuse(double albedo, double radiance) {
-  Material material = scene::untextured_material();
-  material.base_color = vec3(static_cast<float>(albedo));
-  material.roughness = 1;
-  material.ior = 1.5f;
-  material.alpha = 1;
-  material.emission = vec3(static_cast<float>(radiance));
-  material.flags = radiance > 0 ? MATERIAL_EMISSIVE : 0;
-  material.material_class = MATERIAL_CLASS_DIFFUSE;
-  return material;
-}
-
-/// A scene under construction.
-class Stage {
- public:
-  /// The parallelogram corner, corner + u, corner + u + v, corner + v, its front towards cross(u, v).
-  void add_quad(const dvec3& corner, const dvec3& u, const dvec3& v, const Material& material) {
-    const auto first = static_cast<uint32_t>(scene_.vertices.size());
-    for (const dvec3& position : {corner, corner + u, corner + u + v, corner + v}) {
-      scene_.vertices.push_back({vec3(position), vec3(normalize(cross(u, v))), glm::vec2(0)});
-      scene_.bounds_min =
-          first == 0 && scene_.vertices.size() == 1 ? vec3(position) : min(scene_.bounds_min, vec3(position));
-      scene_.bounds_max =
-          scene_.vertices.size() == 1 ? vec3(position) : max(scene_.bounds_max, vec3(position));
-    }
-    const auto number = static_cast<uint32_t>(scene_.materials.size());
-    scene_.materials.push_back(material);
-    scene_.material_names.emplace_back();
-    scene_.material_priorities.push_back(0);
-    for (const uint32_t k : {1u, 2u})
-      scene_.triangles.push_back({first, first + k, first + k + 1, number, INVALID_INDEX, number});
-  }
-
-  void add_point_light(const dvec3& position, double intensity) {
-    Light light{};
-    light.kind = LIGHT_POINT;
-    light.triangle = light.material = INVALID_INDEX;
-    light.position = vec3(position);
-    light.intensity = vec3(static_cast<float>(intensity));
-    scene_.lights.push_back(light);
-  }
-
-  void set_environment(scene::Environment environment) { scene_.environment = std::move(environment); }
-
-  /// A camera that looks along -z at a square of these half extents.
-  PreparedScene seen_from(const dvec3& eye, double half_extent) {
-    scene::SceneCamera camera;
-    camera.is_orthographic = true;
-    camera.camera_to_world = glm::mat4(1);
-    camera.camera_to_world[3] = glm::vec4(vec3(eye), 1);
-    camera.x_magnification = camera.y_magnification = static_cast<float>(half_extent);
-    scene_.cameras.push_back(camera);
-    return prepare(std::move(scene_));
-  }
-
- private:
-  scene::Scene scene_;
-};
-
-render::RenderSettings settings_of(uint32_t techniques, uint32_t size, uint32_t samples, uint32_t depth) {
-  render::RenderSettings settings;
-  settings.width = settings.height = size;
-  settings.samples = samples;
-  settings.max_depth = depth;
-  settings.techniques = techniques;
-  settings.filter = FILTER_BOX;
-  settings.filter_radius = 0;
-  settings.keeps_merge_radius = true;
-  return settings;
-}
-
-/// Mean of a picture, and its standard error if all pixels have the same expectation.
-struct Mean {
-  double value = 0, error = 0;
-};
-
-Mean mean_of(const image::Image& image) {
-  double sum = 0;
-  double squares = 0;
-  const size_t pixels = image.rgb.size() / 3;
-  for (size_t i = 0; i < pixels; ++i) {
-    const double value = image.rgb[3 * i + 1];
-    sum += value;
-    squares += value * value;
-  }
-  const double n = static_cast<double>(pixels);
-  const double mean = sum / n;
-  return {mean, std::sqrt(std::max(squares / n - mean * mean, 0.0) / (n - 1))};
-}
-
-Mean by_device(gpu::Device& device, const PreparedScene& prepared, const render::RenderSettings& settings) {
-  render::Renderer renderer(device, prepared, make_plan(prepared, settings));
-  renderer.render([](uint64_t, uint64_t) { return true; });
-  if (renderer.statistics().non_finite != 0) return {std::numeric_limits<double>::quiet_NaN(), 0};
-  return mean_of(resolve(renderer.film()));
-}
-
-Mean by_reference(const PreparedScene& prepared, const render::RenderSettings& settings) {
-  return mean_of(
-      check::render_with_reference(prepared, make_plan(prepared, settings), [](uint64_t, uint64_t) {
-        return true;
-      }).image);
-}
 
 /// The plane z = 0, 6 m wide.
 constexpr double ALBEDO = 0.5;
@@ -217,8 +108,6 @@ Sweep point_light_over_height(gpu::Device& device, Extent extent) {
   return sweep;
 }
 
-constexpr double SIGMAS = 6;  // of pixels that are far from normal where geometry terms are large
-
 /// Integral over one texel's angle and its neighbours', `step` each, of a function times the texel's share
 /// there.
 template <typename Function>
@@ -267,61 +156,6 @@ Sweep environments_over_texel(gpu::Device& device, Extent extent) {
   return sweep;
 }
 
-constexpr uint32_t EDGES = 10;  // of paths in the room
-
-/// A closed room of 2 m that emits 1 and reflects half: everywhere as much as a series of halves.
-PreparedScene furnace(double distance) {
-  Stage stage;
-  const Material wall = diffuse(0.5, 1);
-  stage.add_quad({-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, wall);
-  stage.add_quad({-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, wall);
-  stage.add_quad({-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, wall);
-  stage.add_quad({1, -1, -1}, {0, 0, 2}, {0, 2, 0}, wall);
-  stage.add_quad({-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, wall);
-  stage.add_quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, wall);
-  return stage.seen_from({-1 + distance, 0.1, 0}, distance / 4);
-}
-
-void add_furnace(Sweep& sweep, double parameter, gpu::Device& device, double distance, double radius) {
-  const PreparedScene prepared = furnace(distance);
-  render::RenderSettings settings = settings_of(VCM, 32, 2, EDGES);
-  settings.merge_radius = static_cast<float>(radius);
-  const Mean device_mean = by_device(device, prepared, settings);
-  settings.width = settings.height = 8;
-  const Mean reference_mean = by_reference(prepared, settings);
-  // What lies within a radius of an edge merges with up to a quarter more or less than a disk has, over all
-  // bounces.
-  const double edges = 2 * radius;
-  const Exact truth = 2 * (1 - std::ldexp(1.0L, -static_cast<int>(EDGES)));
-  sweep.add(
-      {parameter, device_mean.value, reference_mean.value, truth, 0,
-       static_cast<Exact>(SIGMAS * device_mean.error + edges),
-       static_cast<Exact>(SIGMAS * reference_mean.error + edges)},
-      [&] { return fmt::format("{:g} m from the edge of a room, merge radius {:g} m", distance, radius); });
-}
-
-// A hundred roundings a bounce.
-constexpr double OWN_OF_ROOMS = 100 * EDGES * 0x1p-24;
-
-Sweep connections_over_distance(gpu::Device& device, Extent extent) {
-  Sweep sweep(text_of("all techniques beside an edge of a closed room", "distance from the edge, m",
-                      fmt::format("{:.1e} for roundings, {} standard errors", OWN_OF_ROOMS, SIGMAS),
-                      OWN_OF_ROOMS));
-  for (const double distance : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 2 : 13))
-    add_furnace(sweep, distance, device, distance, 1e-6);
-  return sweep;
-}
-
-Sweep merges_over_radius(gpu::Device& device, Extent extent) {
-  Sweep sweep(
-      text_of("all techniques over the merge radius in a closed room", "merge radius, m",
-              fmt::format("{:.1e} for roundings, {} standard errors, and the radius", OWN_OF_ROOMS, SIGMAS),
-              OWN_OF_ROOMS));
-  for (const double radius : in_equal_ratios(1e-7, 1e-1, extent == Extent::Quick ? 2 : 13))
-    add_furnace(sweep, radius, device, 0.2, radius);
-  return sweep;
-}
-
 }  // namespace
 
 std::vector<Sweep> sweep_pictures(gpu::Device& device, Extent extent) {
@@ -330,8 +164,6 @@ std::vector<Sweep> sweep_pictures(gpu::Device& device, Extent extent) {
   all.push_back(emitters_over_power(device, extent));
   all.push_back(point_light_over_height(device, extent));
   all.push_back(environments_over_texel(device, extent));
-  all.push_back(connections_over_distance(device, extent));
-  all.push_back(merges_over_radius(device, extent));
   return all;
 }
 

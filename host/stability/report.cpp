@@ -12,9 +12,13 @@ struct Family {
   std::vector<Sweep> (*sweep)(gpu::Device&, Extent);
 };
 
-constexpr Family FAMILIES[] = {{"bsdf", sweep_bsdf},         {"weights", sweep_weights},
-                               {"geometry", sweep_geometry}, {"lights", sweep_lights},
-                               {"film", sweep_film},         {"pictures", sweep_pictures}};
+constexpr Family FAMILIES[] = {{"bsdf", sweep_bsdf},
+                               {"weights", sweep_weights},
+                               {"geometry", sweep_geometry},
+                               {"lights", sweep_lights},
+                               {"film", sweep_film},
+                               {"pictures", sweep_pictures},
+                               {"connections", sweep_connections}};
 
 }  // namespace
 
