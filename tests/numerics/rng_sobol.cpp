@@ -234,5 +234,39 @@ TEST(Sobol, EstimatesAreUnbiasedAndTheirErrorFallsFaster) {
   test("quarter disk", disk, M_PI / 4, M_PI / 4 * (1 - M_PI / 4), 0.25);
 }
 
+/// Variance of the mean over samples 0 .. count - 1 of f(a, b), a and b of two blocks, over that of as many
+/// independent numbers (`variance` for one); over so many streams.
+template <typename Function>
+double variance_ratio(uint32_t count, uint32_t streams, double variance, const Function& f) {
+  double sum = 0, squares = 0;
+  for (uint32_t stream = 0; stream < streams; ++stream) {
+    double mean = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+      const double a = reference::sobol_bits(1, stream, i, 3)[0] * 0x1p-32;
+      const double b = reference::sobol_bits(1, stream, i, 8)[0] * 0x1p-32;
+      mean += f(a, b) / count;
+    }
+    sum += mean;
+    squares += mean * mean;
+  }
+  const double average = sum / streams;
+  return (squares / streams - average * average) * count / variance;
+}
+
+// The price of nested shuffles: samples 2k and 2k + 1 lie in opposite halves in every block, so the sign of a
+// product is the same for both, and has twice the variance of independent ones. A linear factor is a sum of
+// such signs for each digit, of variances 3/4, 3/16, ..: 1 + (3/4)^2 + 2 (3/32)^2. docs/results.md says why
+// other orders are no better.
+TEST(Sobol, ProductsOfBlocksHaveTheVarianceOfPairedSamples) {
+  constexpr uint32_t STREAMS = 10000;
+  const double linear =
+      variance_ratio(16, STREAMS, 1.0 / 144, [](double a, double b) { return (a - 0.5) * (b - 0.5); });
+  const double sign = variance_ratio(16, STREAMS, 0.25,
+                                     [](double a, double b) { return (a < 0.5) != (b < 0.5) ? 1.0 : 0.0; });
+  const double bound = 5 * std::sqrt(2.0 / STREAMS);  // of a variance of nearly normal means
+  EXPECT_NEAR(linear, 1 + 9.0 / 16 + 2 * 9.0 / 1024, 1.58 * bound);
+  EXPECT_NEAR(sign, 2, 2 * bound);
+}
+
 }  // namespace
 }  // namespace regulus::test
