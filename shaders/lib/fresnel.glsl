@@ -5,25 +5,24 @@
 
 #include "lib/numerics.glsl"
 
-// Unpolarized Fresnel reflectance and transmittance (F, 1 - F) of a dielectric for the cosine c on the incident
-// side. excess = eta^2 - 1 with eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted
-// direction), so g^2 = c^2 + excess; g = 0 stands for total internal reflection. With b = c g + sin^2:
+// Unpolarized Fresnel reflectance F of a dielectric for the cosine c on the incident side. excess = eta^2 - 1 with
+// eta = n_transmitted / n_incident, and g = eta * (cosine of the refracted direction), so g^2 = c^2 + excess; g = 0 stands
+// for total internal reflection. With b = c g + sin^2:
 //   r_s = -excess / (c + g)^2    r_p = r_s (c g - sin^2) / b    1 - F = 2 c g (1 + eta^2 / b^2) / (c + g)^2
-// Both have a relative error below 1e-6, F also for eta near 1, 1 - F also at grazing.
-vec2 fresnel_dielectric(float c, float g, float excess) {
+// Its relative error is below 1e-6, also for eta near 1.
+float fresnel_dielectric(float c, float g, float excess) {
   float sum_squared = square(c + g);
   float sin_squared = (1.0 - c) * (1.0 + c);
   float b = c * g + sin_squared;
   float scale = square(1.0 / (sum_squared * b));
   float reflected = 0.5 * square(excess) * (square(c * g - sin_squared) + square(b)) * scale;
-  float transmitted = 2.0 * c * g * (square(b) + excess + 1.0) * (sum_squared * scale);
-  return g > 0.0 ? vec2(min(reflected, 1.0), transmitted) : vec2(1.0, 0.0);
+  return g > 0.0 ? min(reflected, 1.0) : 1.0;
 }
 
 // Where F lies between that at normal incidence (0) and 1, and where 1 - F does, (s, 1 - s): F - F_0 would cancel. With
 // t = eta c, (c + g) b = eta^2 c + g and skew = (-eta^4 + 2 eta^3 + 2 eta^2 + 2 eta - 1) / (2 eta^2), the same for 1 / eta:
 //   s = (excess sin^2 / ((c + g)^2 b (g + t)))^2 (g^2 + skew g t + t^2)
-// inverse_t0 = 1 / (1 - F_0).
+// 1 - s has a relative error below 1e-6 at grazing too. inverse_t0 = 1 / (1 - F_0).
 vec2 fresnel_dielectric_position(float c, float g, float excess, float skew, float inverse_t0) {
   float sum_squared = square(c + g);
   float sin_squared = (1.0 - c) * (1.0 + c);

@@ -53,7 +53,7 @@ void main() {
     float c = facet.w_dot_h;
     if (!(c > 0.0)) continue;
     float g = refracted_g(c, excess);
-    float fresnel = fresnel_dielectric(max(c, MIN_COS), g, excess).x;
+    float fresnel = fresnel_dielectric(max(c, MIN_COS), g, excess);
     vec3 mirrored = 2.0 * c * facet.h - wo;
     if (mirrored.z > 0.0) {
       float share = shadowed(wo, mirrored, facet.h, c, c, alpha, false);
@@ -71,7 +71,7 @@ void main() {
   if (is_cover && roughness == 0.0) {
     // Exactly 1 at the critical angle, where the square root would make much of one rounding.
     bool is_total = node % ENERGY_NODES <= COVER_CRITICAL_NODE;
-    float smooth_surface = is_total ? 1.0 : fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess).x;
+    float smooth_surface = is_total ? 1.0 : fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess);
     reflected = float(POINTS);
     weighted = reflected * smooth_surface;
   }
@@ -83,7 +83,7 @@ void main() {
   }
   float value = reflected / float(POINTS);
   if (arguments.quantity == ENERGY_FRESNEL) {
-    float smooth_surface = fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess).x;
+    float smooth_surface = fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess);
     value = (weighted / max(reflected, 1e-6) - smooth_surface) / (1.0 - f0);
   }
   if (arguments.quantity >= ENERGY_SCATTERED_OUT) value = (weighted + transmitted) / float(POINTS);

@@ -96,6 +96,42 @@ TEST_F(Film, HugeValuesSaturateAndDenormalsAreDropped) {
   EXPECT_EQ(text(sums[4]), text(fixed_point(0x1.fffffep54f)));
 }
 
+struct TwoSums {
+  uint32_t a[3], b[3];
+};
+struct SumsOfTwo {
+  uint32_t added[3], subtracted[3], in_film[3];
+};
+
+Sum sum_of(const uint32_t (&words)[3]) {
+  return words[0] | Sum{words[1]} << 32 | Sum{words[2]} << 64;
+}
+
+// Sums of merges and squares are added and subtracted in registers, and to the film word by word: carries run
+// through words that are full, and through all of them.
+TEST_F(Film, SumsInWordsCarryThroughFullWords) {
+  std::mt19937_64 engine(base_seed());
+  constexpr uint32_t WORDS[] = {0, 1, 0x80000000, 0xFFFFFFFE, 0xFFFFFFFF};
+  std::vector<TwoSums> pairs;
+  for (uint32_t i = 0; i < 5 * 5 * 5 * 5; ++i)
+    pairs.push_back({{WORDS[i % 5], WORDS[i / 5 % 5], 3}, {WORDS[i / 25 % 5], WORDS[i / 125], 2}});
+  const auto word = [&] { return static_cast<uint32_t>(engine()); };
+  for (int i = 0; i < 2000; ++i)
+    pairs.push_back({{word(), word(), word() >> 2}, {word(), word(), word() >> 2}});
+  const gpu::Kernel kernel = create_batch_kernel(test_kernels::spirv, "film_sums", {});
+  const gpu::Buffer in = gpu::upload_new(*device(), pairs, "pairs");
+  const gpu::Buffer out = gpu::upload_new(*device(), std::vector<SumsOfTwo>(pairs.size()), "sums");
+  run_batch(kernel, {in.address(), out.address(), static_cast<uint32_t>(pairs.size()), 0});
+  const auto found = gpu::download_all<SumsOfTwo>(*device(), out, pairs.size());
+  constexpr Sum WHOLE = (Sum{1} << 96) - 1;
+  for (size_t i = 0; i < pairs.size(); ++i) {
+    const Sum a = sum_of(pairs[i].a), b = sum_of(pairs[i].b);
+    ASSERT_EQ(text(sum_of(found[i].added)), text(a + b)) << text(a) << " + " << text(b);
+    ASSERT_EQ(text(sum_of(found[i].in_film)), text(a + b)) << text(a) << " and " << text(b);
+    ASSERT_EQ(text(sum_of(found[i].subtracted)), text((a - b) & WHOLE)) << text(a) << " - " << text(b);
+  }
+}
+
 // A sum is saturated if and only if it reaches 2^55, in whatever order, and stays so: the highest word
 // carries out many times here, and its bit comes back.
 TEST_F(Film, SumsSaturateInAnyOrderAndStaySo) {
