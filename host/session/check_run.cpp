@@ -22,12 +22,18 @@ struct CheckedIteration {
 using render::Connections;
 constexpr CheckedIteration CHECKED_ITERATIONS[] = {
     {0, Connections::Cache}, {1, Connections::Paired}, {1, Connections::Cache}, {1000, Connections::Paired}};
-constexpr uint32_t MOST_ITERATIONS = 10'000;  // of a scene where little can be weighed
+constexpr uint32_t CHECKED_SAMPLES[] = {0, 1000};  // of the stages that walk: the schedule's begin, and late
+constexpr uint32_t MOST_ITERATIONS = 10'000;       // of a scene where little can be weighed
 
 /// Hands a line on and returns whether it passed.
 bool passes(const check::Tally& tally, const TallySink& sink) {
   sink(tally);
   return tally.is_passed();
+}
+
+/// Adds the lines of another iteration to those of the same stages.
+void add_tallies(std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
+  for (size_t i = 0; i < more.size(); ++i) i < all.size() ? all[i].add(more[i]) : all.push_back(more[i]);
 }
 
 }  // namespace
@@ -49,9 +55,6 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
   const reference::Settings wanted = render::reference_settings(plan);
   const check::Subject same{subject.prepared, subject.world, subject.camera, plan, wanted};
   std::vector<check::Tally> sorting, connections;
-  const auto add = [](std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
-    for (size_t i = 0; i < more.size(); ++i) i < all.size() ? all[i].add(more[i]) : all.push_back(more[i]);
-  };
   const auto compared = [&] {
     const auto line = std::find_if(connections.begin(), connections.end(),
                                    [](const check::Tally& tally) { return tally.name() == check::WEIGHTS; });
@@ -67,12 +70,12 @@ bool check_sorted_and_connected(gpu::Device& device, const check::Subject& subje
                      : CheckedIteration{i, i % 2 == 0 ? Connections::Cache : Connections::Paired};
     const uint32_t sample = first + iteration.sample;
     render::ConnectionRecording recording = recorder.record_light_vertices(sample, iteration.connections);
-    add(sorting, check_sorting(same, recording));
+    add_tallies(sorting, check_sorting(same, recording));
     // Lists that are broken lead the other stages astray.
     if (!std::all_of(sorting.begin(), sorting.end(), [](const auto& tally) { return tally.is_passed(); }))
       break;
     recorder.record_connections(sample, recording);
-    add(connections, check_connections(same, sample, recording));
+    add_tallies(connections, check_connections(same, sample, recording));
   }
   bool is_passed = true;
   for (const std::vector<check::Tally>* tallies : {&sorting, &connections})
@@ -91,17 +94,18 @@ bool check_everything(gpu::Device& device, const check::Subject& subject, const 
     render::StageRecorder recorder(device, subject.prepared, plan, pixels);
     const reference::Settings walking = render::reference_settings(plan);
     const check::Subject same{subject.prepared, subject.world, subject.camera, plan, walking};
-    const render::Recording camera = recorder.record(render::Pass::Camera, 0, subject.plan.first_sample);
-    for (const check::Tally& tally : check_stages(same, render::Pass::Camera, camera))
-      is_passed = passes(tally, sink) && is_passed;
-    if (!is_blended)
-      for (const check::Tally& tally : check_paths(same, camera))
-        is_passed = passes(tally, sink) && is_passed;
-    if ((walking.techniques & TECHNIQUE_SPLAT) != 0) {
-      const render::Recording light = recorder.record(render::Pass::Light, 0, subject.plan.first_sample);
-      for (const check::Tally& tally : check_stages(same, render::Pass::Light, light))
-        is_passed = passes(tally, sink) && is_passed;
+    std::vector<check::Tally> camera_stages, whole_paths, light_stages;
+    for (const uint32_t sample : CHECKED_SAMPLES) {
+      const uint32_t at = subject.plan.first_sample + sample;
+      const render::Recording camera = recorder.record(render::Pass::Camera, 0, at);
+      add_tallies(camera_stages, check_stages(same, render::Pass::Camera, camera));
+      if (!is_blended) add_tallies(whole_paths, check_paths(same, camera));
+      if ((walking.techniques & TECHNIQUE_SPLAT) == 0) continue;
+      add_tallies(light_stages,
+                  check_stages(same, render::Pass::Light, recorder.record(render::Pass::Light, 0, at)));
     }
+    for (const std::vector<check::Tally>* tallies : {&camera_stages, &whole_paths, &light_stages})
+      for (const check::Tally& tally : *tallies) is_passed = passes(tally, sink) && is_passed;
   }
   if (is_blended) return is_passed;
   // Images would repeat it at best; lists that are broken may crash the driver.
