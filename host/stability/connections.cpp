@@ -130,16 +130,19 @@ Exact radiance_of_rise(Exact angle) {
   constexpr int CELLS = 64;
   const Exact s = std::sin(angle);
   const Exact c = std::cos(angle);
+  const auto middle = [](int i, int count) { return (i + 0.5L) / count; };
   Exact sum = 0;
-  for (int i = 0; i < SEEN * SEEN; ++i)
-    for (int j = 0; j < CELLS * CELLS; ++j) {
-      const Exact x = 0.25L + 0.5L * (i % SEEN + 0.5L) / SEEN;
-      const Exact y = 0.5L * (i / SEEN + 0.5L) / SEEN - 0.25L;
-      const Exact t = (j % CELLS + 0.5L) / CELLS;
-      const Exact across = (j / CELLS + 0.5L) / CELLS - 0.5L - y;
-      const Exact squared = (x + c * t) * (x + c * t) + across * across + s * t * s * t;
-      sum += s * t * s * x / (squared * squared);
-    }
+  for (int i = 0; i < SEEN; ++i)
+    for (int j = 0; j < SEEN; ++j)
+      for (int k = 0; k < CELLS; ++k)
+        for (int l = 0; l < CELLS; ++l) {
+          const Exact x = 0.25L + 0.5L * middle(i, SEEN);
+          const Exact y = 0.25L - 0.5L * middle(j, SEEN);
+          const Exact t = middle(k, CELLS);
+          const Exact across = middle(l, CELLS) - 0.5L - y;
+          const Exact squared = (x + c * t) * (x + c * t) + across * across + s * t * s * t;
+          sum += s * t * s * x / (squared * squared);
+        }
   const Exact albedo = static_cast<Exact>(RISING_ALBEDO) / std::numbers::pi_v<Exact>;
   return albedo * albedo * c * sum / (SEEN * SEEN * CELLS * CELLS);
 }
