@@ -5,6 +5,8 @@
 
 #include <limits>
 
+#include "base/error.hpp"
+#include "base/tcp_client.hpp"
 #include "cli/render_options.hpp"
 #include "cli/strategy_images.hpp"
 #include "cli/validators.hpp"
@@ -41,7 +43,7 @@ void declare_output(CLI::App& command, RenderOptions& options) {
   command
       .add_option("-o,--output", options.output,
                   "Picture to write, in the format of its extension: .exr, tone-mapped .png or .jpg, .hdr "
-                  "(default: the scene's name with .exr)")
+                  "(default: the scene's name with .exr, and beside it with .png)")
       ->type_name("FILE");
   command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG")->type_name("FILE");
   command.add_option("--exposure", options.exposure_ev, "Exposure of PNG and JPEG")
@@ -52,7 +54,44 @@ void declare_output(CLI::App& command, RenderOptions& options) {
       ->type_name("NAMES");
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP)->type_name("FOLDER");
   command.add_option("--stats", options.stats, "Write times, rays and memory as JSON")->type_name("FILE");
+  command
+      .add_option("--report", options.report,
+                  "Write a page that shows the picture, what was chosen and why, times, rays, memory and how "
+                  "the error fell")
+      ->type_name("FILE.html");
+  command
+      .add_option("--display-server", options.display_server,
+                  "Show the picture while it is rendered in a viewer that speaks tev's protocol, such as "
+                  "localhost:14158")
+      ->type_name("HOST:PORT")
+      ->check(CLI::Validator(
+          [](std::string& text) {
+            try {
+              parse_host_and_port(text);
+              return std::string();
+            } catch (const Error& error) {
+              return std::string(error.what());
+            }
+          },
+          ""));
   command.add_flag("-q,--quiet", options.is_quiet, "Print errors only");
+  const std::vector<std::pair<std::string, ProgressStyle>> styles = {{"auto", ProgressStyle::Auto},
+                                                                     {"lines", ProgressStyle::Lines},
+                                                                     {"json", ProgressStyle::Json},
+                                                                     {"none", ProgressStyle::None}};
+  command
+      .add_option_function<std::string>(
+          "--progress",
+          [&options, styles](const std::string& text) {
+            for (const auto& [name, style] : styles)
+              if (name == text) options.progress = style;
+          },
+          "How far the render is: a line that is drawn anew on a terminal and otherwise a line every 10 "
+          "seconds, both on stderr (auto); those lines in any case; one JSON object a line on stdout, in "
+          "place of the message at the end")
+      ->type_name("auto|lines|json|none")
+      ->check(one_of({"auto", "lines", "json", "none"}))
+      ->default_str("auto");
   command.add_flag("-v,--verbose", options.is_verbose, "Print what is done and how long it takes");
 }
 
@@ -66,7 +105,8 @@ void declare_quality(CLI::App& command, RenderOptions& options) {
               "--spp on the command line as many samples as the time allows")
       ->type_name("SECONDS");
   add_setting(command, options, "--noise",
-              "Stop when the estimated relative error of the picture (the root of relMSE) is this small, "
+              "Stop when the estimated relative error of the picture (the root of relMSE, from how much it "
+              "changes with more samples) is this small, "
               "after 16 samples at least. Without --spp on the command line as many samples as that takes")
       ->type_name("ERROR");
   add_setting(command, options, "--seed", "Seed of the random numbers")

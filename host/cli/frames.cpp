@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "cli/render_outputs.hpp"
 
 namespace regulus::cli {
 
@@ -61,10 +62,13 @@ std::string frame_name(const std::string& file, uint64_t frame) {
 
 RenderOptions for_frame(const RenderOptions& options, uint64_t frame) {
   RenderOptions named = options;
-  if (named.output.empty())
-    named.output = std::filesystem::path(named.scene_file).filename().replace_extension(".exr").string();
+  if (named.output.empty()) {
+    const std::filesystem::path picture = default_picture(options);
+    named.output = picture.string();
+    if (named.png.empty()) named.png = std::filesystem::path(picture).replace_extension(".png").string();
+  }
   for (std::string* file :
-       {&named.output, &named.png, &named.stats, &named.checkpoint, &named.strategy_images})
+       {&named.output, &named.png, &named.stats, &named.report, &named.checkpoint, &named.strategy_images})
     if (!file->empty()) *file = frame_name(*file, frame);
   return named;
 }

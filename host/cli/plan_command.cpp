@@ -1,7 +1,7 @@
 // `regulus plan`: what `render -i auto` would choose for a scene, and among what.
 #include <memory>
-#include <nlohmann/json.hpp>
 
+#include "cli/choice_json.hpp"
 #include "cli/commands.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
@@ -17,24 +17,6 @@ namespace {
 struct PlanOptions : RenderOptions {
   std::string json;  ///< file; empty: none
 };
-
-nlohmann::json to_json(const render::TechniqueChoice& choice) {
-  nlohmann::json candidates = nlohmann::json::array();
-  const auto named = [](uint32_t techniques, uint32_t regularization) {
-    return nlohmann::json{{"techniques", render::technique_set_name(techniques)},
-                          {"regularized", regularization != 0}};
-  };
-  for (const render::Candidate& candidate : choice.candidates) {
-    nlohmann::json entry = named(candidate.techniques, candidate.regularization);
-    entry["relative_squared_error"] = candidate.error;
-    entry["cost"] = candidate.cost;
-    candidates.push_back(std::move(entry));
-  }
-  nlohmann::json result = named(choice.techniques, choice.regularization);
-  result["why"] = choice.why;
-  result["candidates"] = std::move(candidates);
-  return result;
-}
 
 void print(const render::TechniqueChoice& choice) {
   if (!choice.candidates.empty()) {
@@ -62,7 +44,7 @@ void plan_scene(CLI::App& command, PlanOptions& options) {
     OutputGuard guard;
     guard.add_scene(options.scene_file);
     guard.add_output("--json", options.json);
-    writer.write(options.json, [&] { return to_json(choice).dump(2) + "\n"; });
+    writer.write(options.json, [&] { return choice_json(choice).dump(2) + "\n"; });
   }
   print(choice);
   writer.throw_failures();

@@ -1,12 +1,12 @@
 // regulus render: scene in, picture out.
 
 #include <fmt/format.h>
-#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/sinks/base_sink.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
-#include <cmath>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <set>
 
@@ -17,8 +17,8 @@
 #include "cli/progress.hpp"
 #include "cli/render_options.hpp"
 #include "cli/render_outputs.hpp"
-#include "cli/standard_streams.hpp"
-#include "cli/strategy_images.hpp"
+#include "cli/render_result.hpp"
+#include "cli/render_watcher.hpp"
 #include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "scene/placement.hpp"
@@ -47,42 +47,42 @@ class Stopwatch {
   Clock::time_point last_ = Clock::now();
 };
 
-// Messages go to stderr, as one line each: stdout is for results.
-void set_up_log(const RenderOptions& options) {
+// Messages go to stderr, as one line each, past the line that shows progress: stdout is for results.
+class LogSink : public spdlog::sinks::base_sink<std::mutex> {
+ public:
+  explicit LogSink(ProgressReport& progress) : progress_(progress) {}
+
+ private:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    spdlog::memory_buf_t text;
+    formatter_->format(message, text);
+    progress_.print({text.data(), text.size()});
+  }
+  void flush_() override {}
+
+  ProgressReport& progress_;
+};
+
+void set_up_log(const RenderOptions& options, ProgressReport& progress) {
   spdlog::set_default_logger(
-      std::make_shared<spdlog::logger>("regulus", std::make_shared<spdlog::sinks::stderr_sink_st>()));
+      std::make_shared<spdlog::logger>("regulus", std::make_shared<LogSink>(progress)));
   spdlog::set_pattern("regulus: %l: %v");
   spdlog::set_level(options.is_quiet     ? spdlog::level::err
                     : options.is_verbose ? spdlog::level::info
                                          : spdlog::level::warn);
 }
 
-// Preview and statistics.
-void write_others(OutputWriter& writer, const RenderOutputs& outputs, const RenderOptions& options,
-                  const image::Image& image, const nlohmann::json& statistics) {
-  if (!outputs.png.empty())
-    writer.write(outputs.png, [&] {
-      return image::encode_tone_mapped(image::Format::Png, image, options.exposure_ev, outputs.png.string());
-    });
-  if (!outputs.stats.empty()) writer.write(outputs.stats, [&] { return statistics.dump(2) + "\n"; });
-}
+// What outlives a picture of a sequence. Nothing is logged when it is gone.
+struct Session {
+  ProgressReport progress;
+  OutputGuard guard;
+  std::unique_ptr<gpu::Device> device;  // opened when it is first needed
+  std::set<std::string> said;           // warnings
+  Stopwatch stopwatch;
+  Clock::time_point begin = Clock::now();  // of the picture
 
-void report(const session::Result& result, const RenderOutputs& outputs) {
-  const std::string picture = outputs.picture.string();
-  for (const std::string& warning : result.warnings) spdlog::warn("{}: {}", picture, warning);
-  for (const std::string& bug : result.bugs) spdlog::error("{}: a bug, please report the scene", bug);
-  spdlog::info("{}: {}", picture, result.summary);
-}
-
-// A word more than what was asked for, which is the picture.
-void print_noise(double noise, double target) {
-  forgive_stdout();
-  if (std::isnan(noise))
-    say("relative error unknown: more samples are needed to estimate it\n");
-  else
-    say("estimated relative error {:.4g}{}\n", noise,
-        noise <= target ? "" : fmt::format(", not the {:.4g} asked for", target));
-}
+  explicit Session(const RenderOptions& options) : progress(options.progress, options.is_quiet) {}
+};
 
 // Whether there is a checkpoint, or a device in its place is none.
 bool has_checkpoint(const RenderOptions& options) {
@@ -98,41 +98,16 @@ void require_new_checkpoint(const RenderOptions& options) {
       fmt::format("--checkpoint {}: exists; go on from it with --resume, or remove it", options.checkpoint));
 }
 
-// What is done while the render runs.
-class TerminalWatcher : public session::Watcher {
- public:
-  explicit TerminalWatcher(bool shows_progress) : shows_progress_(shows_progress) {}
-  void begin() override {
-    catch_interrupts();
-    line_.emplace(shows_progress_);
-  }
-  void progress(uint64_t done, uint64_t total) override { line_->update(done, total); }
-  bool is_cancelled() override { return is_interrupted(); }
-  void end() override { line_.reset(); }
-  void warn(const std::string& text) override { spdlog::warn("{}", text); }
-
- private:
-  bool shows_progress_;
-  std::optional<ProgressLine> line_;
-};
-
-// What outlives a picture of a sequence.
-struct Session {
-  OutputGuard guard;
-  std::unique_ptr<gpu::Device> device;  // opened when it is first needed
-  std::set<std::string> said;           // warnings
-  Stopwatch stopwatch;
-};
-
 void say_warning(const scene::Scene& scene, const std::string& warning, Session& session) {
   if (session.said.insert(warning).second) spdlog::warn("{}: {}", scene.path.string(), warning);
 }
 
 gpu::Device& open_device(const RenderOptions& options, Session& session) {
   if (session.device) return *session.device;
+  const bool measures_stages = !options.stats.empty() || !options.report.empty();
   session.device =
       std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = options.device,
-                                                       .software_stage_times = !options.stats.empty(),
+                                                       .software_stage_times = measures_stages,
                                                        .kernel_statistics = !options.stats.empty(),
                                                        .memory_bytes = options.memory_bytes});
   const gpu::DeviceInfo& info = session.device->info();
@@ -141,30 +116,6 @@ gpu::Device& open_device(const RenderOptions& options, Session& session) {
   else
     spdlog::info("device {}", info.name);
   return *session.device;
-}
-
-// Writes everything that is asked for, and throws what there is to complain of.
-void write_result(const session::Result& result, const render::Plan& plan, const session::Job& job,
-                  const RenderOptions& options, const RenderOutputs& outputs) {
-  OutputWriter writer;
-  writer.write(outputs.picture, [&] {
-    return encode(result, plan, job, outputs.format, options.exposure_ev, outputs.picture);
-  });
-  write_others(writer, outputs, options, result.image, result.statistics);
-  if (!options.strategy_images.empty() && !result.failure)
-    write_strategy_images(writer, options.strategy_images, *result.renderer, plan.max_depth,
-                          result.attributes, options.exposure_ev);
-  report(result, outputs);
-  if (options.noise_target && !options.is_quiet) print_noise(result.noise, *options.noise_target);
-  const std::string picture = outputs.picture.string();
-  if (result.failure && writer.has_failed())
-    spdlog::error("{}", result.failure->what());
-  else if (result.failure)
-    throw Error(result.failure->code(),
-                fmt::format("{}; {} holds what was rendered before", result.failure->what(), picture));
-  writer.throw_failures();
-  if (!result.is_complete)
-    throw Error(ErrorCode::Interrupted, fmt::format("interrupted; {} holds what was rendered", picture));
 }
 
 void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
@@ -194,21 +145,34 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
   spdlog::info("{} triangles, {} lights: loaded in {:.2f} s, acceleration structure in {:.2f} s",
                scene::placed_triangle_count(scene), scene.lights.size(), times.load_seconds,
                times.bvh_seconds);
+  if (options.backend != "reference") session.progress.begin("device");
   gpu::Device* device = options.backend == "reference" ? nullptr : &open_device(options, session);
-  TerminalWatcher watcher(!options.is_quiet);
+  std::optional<session::DisplayServer> viewer;
+  if (!options.display_server.empty())
+    viewer.emplace(parse_host_and_port(options.display_server), outputs.picture.string(),
+                   session::placement_of(plan));
+  const Limits limits{!options.has_no_sample_limit, options.time_limit, options.noise_target};
+  RenderWatcher watcher(session.progress, limits, plan.window().pixels(), viewer ? &*viewer : nullptr);
   const session::Result result = session::render(prepared, plan, job, device, watcher);
-  write_result(result, plan, job, options, outputs);
+  if (viewer) viewer->finish(result.image);
+  write_result({result, prepared, plan, job, options, outputs, watcher.convergence()}, session.progress,
+               session.begin);
+  if (!viewer) return;
+  viewer->close();
+  if (const auto warning = viewer->take_warning()) spdlog::warn("{}", *warning);
 }
 
 // Renders a scene that has just been loaded or posed; afterwards it can be posed again.
 void render_picture(const RenderOptions& options, const RenderOutputs& outputs, scene::Scene& scene,
                     Session& session) {
-  const render::RenderSettings settings = resolve_settings(options, scene);
+  render::RenderSettings settings = resolve_settings(options, scene);
+  settings.keeps_doublings |= !options.report.empty();  // for the curve of its error
   check_outputs(outputs, options, settings, session.guard);
   const bool holds_sums = !options.sample_range.empty() || !options.checkpoint.empty();
   session::require_film_memory(settings, holds_sums, options.backend != "reference", options.memory_bytes);
   session::LoadTimes times;
   times.load_seconds = session.stopwatch.lap();
+  session.progress.begin("prepare");
   PreparedScene prepared = prepare(std::move(scene));
   render_prepared(options, outputs, prepared, settings, times, session);
   scene = std::move(prepared.scene);
@@ -239,14 +203,15 @@ std::vector<Picture> plan_pictures(const RenderOptions& options, const std::vect
 }
 
 void render_scene(CLI::App& command, RenderOptions& options) {
-  set_up_log(options);
+  Session session(options);
+  set_up_log(options, session.progress);
   lift_sample_limit(command, options);
   options.has_strategy_images = !options.strategy_images.empty();
-  Session session;
   std::vector<Frame> frames = parse_frames(options);
   std::vector<Picture> pictures = plan_pictures(options, frames, session.guard);
   if (!frames.empty()) options.time = frames.front().seconds;
   const bool has_own_time = options.time.has_value();
+  session.progress.begin("load");
   scene::SceneFile file(options.scene_file, load_options(options));
   scene::Scene scene = file.load();
   std::ranges::move(apply_scene_settings(command, scene), std::back_inserter(scene.warnings));
@@ -256,11 +221,14 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   session.guard = OutputGuard();
   pictures = plan_pictures(options, frames, session.guard);
   for (const Picture& picture : pictures) {
+    if (picture.frame) session.progress.begin_frame(picture.frame->number);
     if (picture.frame && &picture != &pictures.front()) {
       if (is_interrupted())
         throw Error(ErrorCode::Interrupted,
                     fmt::format("interrupted before frame {}", picture.frame->number));
       session.stopwatch.lap();
+      session.begin = Clock::now();
+      session.progress.begin("load");
       file.pose(scene, picture.frame->seconds);
     }
     render_picture(picture.options, picture.outputs, scene, session);

@@ -17,6 +17,8 @@ namespace {
 const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "png",
                                                  "stats",
+                                                 "report",
+                                                 "display-server",
                                                  "strategy-images",
                                                  "device",
                                                  "scene",
@@ -24,6 +26,7 @@ const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "strict",
                                                  "memory",
                                                  "quiet",
+                                                 "progress",
                                                  "verbose",
                                                  "help",
                                                  "wave",
@@ -84,11 +87,9 @@ std::vector<std::string> apply_scene_settings(CLI::App& command, const scene::Sc
 
 void require_no_outputs(const RenderOptions& options, const std::string& who) {
   const std::pair<const char*, const std::string&> outputs[] = {
-      {"--output", options.output},
-      {"--png", options.png},
-      {"--stats", options.stats},
-      {"--checkpoint", options.checkpoint},
-      {"--strategy-images", options.strategy_images}};
+      {"--output", options.output},         {"--png", options.png},
+      {"--stats", options.stats},           {"--report", options.report},
+      {"--checkpoint", options.checkpoint}, {"--strategy-images", options.strategy_images}};
   for (const auto& [option, file] : outputs)
     if (!file.empty())
       throw Error(ErrorCode::BadUsage, fmt::format("{} writes no files; leave out {}", who, option));

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "cli/progress_style.hpp"
 #include "scene/scene.hpp"
 #include "session/request.hpp"
 
@@ -20,6 +21,8 @@ struct RenderOptions : session::Request {
   std::string png;                 ///< empty: none
   std::string stats;               ///< empty: none
   std::string strategy_images;     ///< folder; empty: none
+  std::string report;              ///< page; empty: none
+  std::string display_server;      ///< HOST:PORT; empty: none
   std::string checkpoint;          ///< file to resume from; empty: none
   double checkpoint_seconds = 60;  ///< between two states of it
   bool is_resumed = false;         ///< go on from the checkpoint if it exists
@@ -38,6 +41,7 @@ struct RenderOptions : session::Request {
   bool is_strict = false;
   uint64_t memory_bytes = 0;  ///< host and device each; 0: the default
   bool is_quiet = false, is_verbose = false;
+  ProgressStyle progress = ProgressStyle::Auto;
 };
 
 /// What the options say of loading the scene.

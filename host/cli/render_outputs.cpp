@@ -23,11 +23,17 @@ void require_checkpoint_name(const fs::path& file) {
 
 }  // namespace
 
+fs::path default_picture(const RenderOptions& options) {
+  return fs::path(options.scene_file).filename().replace_extension(".exr");
+}
+
 RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) {
-  RenderOutputs outputs{options.output, options.png, options.stats, options.checkpoint,
-                        options.strategy_images};
-  if (outputs.picture.empty())
-    outputs.picture = fs::path(options.scene_file).filename().replace_extension(".exr");
+  RenderOutputs outputs{options.output, options.png,        options.stats,
+                        options.report, options.checkpoint, options.strategy_images};
+  if (outputs.picture.empty()) {
+    outputs.picture = default_picture(options);
+    if (outputs.png.empty()) outputs.png = fs::path(outputs.picture).replace_extension(".png");
+  }
   if (!options.strategy_images.empty() && !options.checkpoint.empty())
     throw Error(ErrorCode::BadUsage,
                 "--strategy-images: a checkpoint does not hold them; leave out --checkpoint");
@@ -37,6 +43,7 @@ RenderOutputs resolve_outputs(const RenderOptions& options, OutputGuard& guard) 
   const std::pair<const char*, const fs::path&> files[] = {{"--output", outputs.picture},
                                                            {"--png", outputs.png},
                                                            {"--stats", outputs.stats},
+                                                           {"--report", outputs.report},
                                                            {"--checkpoint", outputs.checkpoint}};
   for (const auto& [option, file] : files)
     if (!file.empty()) guard.add_output(option, file);

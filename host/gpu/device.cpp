@@ -133,6 +133,9 @@ uint64_t Device::free_bytes() const {
 const std::vector<KernelStatistics>& Device::kernel_statistics() const {
   return impl->state->kernel_statistics;
 }
+void Device::watch_kernels(std::function<void(size_t done, size_t total)> watch) {
+  impl->state->kernel_watcher = std::move(watch);
+}
 double Device::pipeline_seconds() const {
   return impl->state->pipeline_seconds;
 }

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -165,6 +166,10 @@ class Device {
   /// The same for several at once, compiled by as many threads as the machine has; in the order of
   /// `descriptions`.
   std::vector<Kernel> create_kernels(std::span<const KernelDescription> descriptions);
+
+  /// From now on `watch` is told how many of the kernels that are being compiled are done, first with 0: by
+  /// whichever thread compiled one, one at a time. Kernels made before are not counted. Must not throw.
+  void watch_kernels(std::function<void(size_t done, size_t total)> watch);
 
   Submission submit(CommandList&& commands);
   /// Blocks until the submission has run; returns the time of each dispatch, in recording order, once.

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <exception>
+#include <mutex>
 #include <thread>
 
 #include "base/error.hpp"
@@ -114,16 +115,25 @@ Compiled compile_or_say_why(DeviceState& state, const KernelDescription& descrip
   }
 }
 
-/// compile_or_say_why() for each, on as many threads as the machine has. Throws the first error in the order
-/// of `descriptions`, after all threads have ended.
+/// compile_or_say_why() for each, on as many threads as the machine has, each of which tells the device's
+/// watcher what is done. Throws the first error in the order of `descriptions`, after all threads have ended.
 std::vector<Compiled> compile_all(DeviceState& state,
                                   std::span<const KernelDescription* const> descriptions) {
   std::vector<Compiled> compiled(descriptions.size());
   std::vector<std::exception_ptr> errors(descriptions.size());
   std::atomic<size_t> next = 0;
+  std::mutex telling;
+  size_t done = 0;
+  const auto tell = [&](size_t more) {
+    const std::lock_guard lock(telling);
+    done += more;
+    if (state.kernel_watcher) state.kernel_watcher(done, descriptions.size());
+  };
+  if (!descriptions.empty()) tell(0);
   const auto work = [&] {
     for (size_t i = next++; i < descriptions.size(); i = next++) try {
         compiled[i] = compile_or_say_why(state, *descriptions[i]);
+        tell(1);
       } catch (...) {
         errors[i] = std::current_exception();
       }
@@ -156,6 +166,7 @@ std::vector<Kernel> Device::create_kernels(std::span<const KernelDescription> de
     if (!state.pipelines.contains(keys.back())) missing.emplace(keys.back(), &description);
   }
   std::vector<const KernelDescription*> to_compile;
+  to_compile.reserve(missing.size());
   for (const auto& [key, description] : missing) to_compile.push_back(description);
   std::vector<Compiled> compiled = compile_all(state, to_compile);
   auto next = compiled.begin();

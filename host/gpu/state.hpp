@@ -4,6 +4,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <string>
@@ -67,6 +68,7 @@ struct DeviceState {
   uint64_t allocated_bytes = 0;
   uint64_t peak_allocated_bytes = 0;
   double pipeline_seconds = 0;
+  std::function<void(size_t done, size_t total)> kernel_watcher;  // may be empty
   std::vector<KernelStatistics> kernel_statistics;
   bool is_lost = false;
 

@@ -98,8 +98,8 @@ namespace {
 class ProgressWatcher : public session::Watcher {
  public:
   explicit ProgressWatcher(const Progress& progress) : progress_(progress) {}
-  void progress(uint64_t done, uint64_t total) override {
-    if (progress_ && !is_cancelled_) is_cancelled_ = !progress_(done, total);
+  void progress(const session::Progress& progress) override {
+    if (progress_ && !is_cancelled_) is_cancelled_ = !progress_(progress.paths_done, progress.paths_total);
   }
   bool is_cancelled() override { return is_cancelled_; }
   void warn(const std::string& text) override { warnings.push_back(text); }

@@ -205,8 +205,13 @@ struct Renderer::Impl {
     return std::max(pixels, static_cast<uint64_t>(SNAPSHOT_GROWTH * static_cast<double>(film.paths)));
   }
 
+  // A state halfway lets the last one tell its noise (render/noise.hpp), however short the render.
+  uint64_t paths_of_half() const { return plan.samples / 2 * pixels; }
+
+  bool is_half_due() const { return film.paths < paths_of_half() && finished >= paths_of_half(); }
+
   void take_snapshot_if_due() {
-    const bool has_grown = plan.keeps_doublings && finished >= paths_of_next_state();
+    const bool has_grown = is_half_due() || (plan.keeps_doublings && finished >= paths_of_next_state());
     const double due = std::max(LEAST_SNAPSHOT_SECONDS, SNAPSHOT_AGE * snapshot_seconds);
     if (!has_grown && seconds_since(last_snapshot) < due) return;
     work.finish();
@@ -224,14 +229,15 @@ struct Renderer::Impl {
     while (is_running && finished < total_paths) {
       run_paths(finished, next_stop());
       end_sample();
-      if (!is_running || !plan.keeps_doublings) continue;
+      if (!is_running) continue;
       take_snapshot_if_due();
+      if (!plan.keeps_doublings) continue;
       is_running = (*progress)(finished, total_paths);
     }
   }
 
   uint64_t next_stop() const {
-    uint64_t stop = total_paths;
+    uint64_t stop = finished < paths_of_half() ? paths_of_half() : total_paths;
     if (buffers.film_squares.size() != 0) stop = std::min(stop, (finished / pixels + 1) * pixels);
     if (plan.keeps_doublings) stop = std::min(stop, std::max(paths_of_next_state(), finished + 1));
     return stop;
@@ -452,6 +458,7 @@ struct Renderer::Impl {
     const auto start = Clock::now();
     last_snapshot = start;
     progress = &progress_in;
+    is_running = is_film_whole;
     // Images of strategies have no snapshots.
     if (!plan.has_strategy_images) work.set_cancellation(is_cancelled);
     if (!has_light_pass && !has_camera_pass)

@@ -38,7 +38,8 @@ class Renderer {
   /// Not part of render().
   std::vector<interface::vec3> surface_footprints();
 
-  /// Renders until all samples are done, or `progress` returns false: what has been begun is then finished.
+  /// Renders until all samples are done, or `progress` returns false: what has been begun is then finished,
+  /// and another call goes on from there.
   /// Where `is_cancelled`, asked after every submission, says yes, nothing more is begun: at most one
   /// submission that was under way still runs, and film() holds the last state between two waves. If the
   /// device is lost the error is thrown, and film() holds the last snapshot; there is one whenever the last

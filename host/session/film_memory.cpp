@@ -24,7 +24,8 @@ uint64_t bytes_per_pixel(const render::RenderSettings& settings, bool holds_sums
   const auto aovs = static_cast<uint64_t>(std::popcount(settings.aovs)) * rgb;  // none has more channels
   uint64_t bytes = COPIES_IN_WRITING * (rgb + aovs + (holds_sums ? sums : 0));
   if ((settings.aovs & render::SURFACE_AOVS) != 0) bytes += sizeof(interface::AovPixel);
-  if (!is_in_bands) bytes += 2 * sums;  // the next state is downloaded beside the last
+  // The next state is downloaded beside the last, and its noise is told from an earlier picture.
+  if (!is_in_bands) bytes += 2 * sums + rgb;
   return bytes;
 }
 

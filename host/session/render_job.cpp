@@ -33,10 +33,19 @@ class Watched {
   Watcher& watcher_;
 };
 
-image::Placement placement_of(const render::Plan& plan) {
-  const render::Window window = plan.window();
-  return {window.x, window.y, plan.width, plan.height};
-}
+/// Tells the watcher of kernels that the device compiles.
+class WatchedKernels {
+ public:
+  WatchedKernels(gpu::Device& device, Watcher& watcher) : device_(device) {
+    device_.watch_kernels([&watcher](size_t done, size_t total) { watcher.kernels(done, total); });
+  }
+  ~WatchedKernels() { device_.watch_kernels({}); }
+  WatchedKernels(const WatchedKernels&) = delete;
+  WatchedKernels& operator=(const WatchedKernels&) = delete;
+
+ private:
+  gpu::Device& device_;
+};
 
 /// What needs the whole film at a time.
 bool needs_whole_film(const render::Plan& plan, const Job& job) {
@@ -57,7 +66,7 @@ Result render_by_reference(const PreparedScene& prepared, const render::Plan& pl
   {
     const Watched watched(watcher);
     rendered = check::render_with_reference(prepared, plan, [&](uint64_t done, uint64_t total) {
-      watcher.progress(done, total);
+      watcher.progress({done, total});
       return !watcher.is_cancelled();
     });
   }
@@ -70,6 +79,7 @@ Result render_by_reference(const PreparedScene& prepared, const render::Plan& pl
   result.attributes["regulus:render_seconds"] = fmt::format("{:.3f}", seconds);
   result.statistics = nlohmann::json(result.attributes);
   result.paths = rendered.samples * plan.window().pixels();
+  result.seconds = seconds;
   result.is_complete = rendered.samples == plan.samples;
   result.summary = fmt::format("{}x{}, {} samples per pixel in {:.2f} s by the reference",
                                rendered.image.width, rendered.image.height, rendered.samples, seconds);
@@ -95,7 +105,7 @@ Result render_by_bands(const PreparedScene& prepared, const render::Plan& plan, 
   {
     const Watched watched(watcher);
     rendered = render_in_bands(device, prepared, plan, bands, [&](uint64_t done, uint64_t total) {
-      watcher.progress(done, total);
+      watcher.progress({done, total});
       return !watcher.is_cancelled();
     });
   }
@@ -112,6 +122,7 @@ Result render_by_bands(const PreparedScene& prepared, const render::Plan& plan, 
   result.attributes["regulus:non_finite"] = std::to_string(rendered.non_finite);
   result.statistics = nlohmann::json(result.attributes);
   result.paths = rendered.paths;
+  result.seconds = rendered.render_seconds;
   result.is_complete = rendered.paths == pixels * plan.samples;
   result.summary = fmt::format("{}x{} in {} bands, {:.2f} s", rendered.image.width, rendered.image.height,
                                bands.size(), rendered.render_seconds);
@@ -143,6 +154,7 @@ void report(const render::Plan& plan, Result& result) {
         interface::MEDIA_SET_SIZE, statistics.forgotten_media));
   const render::Window window = plan.window();
   const auto paths = static_cast<double>(statistics.paths - statistics.resumed_paths);
+  result.seconds = statistics.render_seconds;
   result.summary =
       fmt::format("{}x{}, {} samples per pixel in {:.2f} s ({:.3f} million samples/s)", window.width,
                   window.height, statistics.paths / window.pixels(), statistics.render_seconds,
@@ -170,14 +182,17 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
       },
       [&](const std::string& text) { watcher.warn(text); });
   const uint64_t pixels = plan.window().pixels();
+  const uint64_t earlier_paths = renderer.film().paths;
   StopRule stop(job.time_limit, job.noise_target, pixels);
   try {
     const Watched watched(watcher);
     renderer.render(
         [&](uint64_t done, uint64_t total) {
-          watcher.progress(done, total);
+          const bool is_enough = stop.is_reached(renderer.film(), done);
+          watcher.progress({done, total, earlier_paths, stop.noise()});
+          watcher.state(renderer.film());
           checkpoint.update(renderer.film());
-          return !stop.is_reached(renderer.film(), done);
+          return !is_enough;
         },
         [&] { return watcher.is_cancelled(); });
   } catch (const Error& error) {
@@ -190,9 +205,9 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
   checkpoint.finish(renderer.film());
   result.paths = renderer.film().paths;
   result.is_complete = stop.was_reached() || result.paths >= pixels * plan.samples;
-  stop.is_reached(renderer.film(), result.paths);  // finds the noise of what is written
+  result.noise = stop.final_noise(renderer.film());
   result.statistics = render_statistics(device, prepared, plan, renderer, times);
-  if (job.noise_target) result.statistics["noise"] = result.noise = stop.noise();
+  result.statistics["noise"] = result.noise;
   result.attributes = attributes();
   result.placement = placement_of(plan);
   take_picture(prepared, plan, result);
@@ -202,9 +217,15 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
 
 }  // namespace
 
+image::Placement placement_of(const render::Plan& plan) {
+  const render::Window window = plan.window();
+  return {window.x, window.y, plan.width, plan.height};
+}
+
 Result render(const PreparedScene& prepared, const render::Plan& plan, const Job& job, gpu::Device* device,
               Watcher& watcher) {
   if (device == nullptr) return render_by_reference(prepared, plan, job, watcher);
+  const WatchedKernels watched(*device, watcher);
   const std::vector<render::Window> bands = film_bands(*device, plan, job.band_pixels);
   if (bands.size() > 1) return render_by_bands(prepared, plan, job, *device, bands, watcher);
   return render_whole_film(prepared, plan, job, *device, watcher);

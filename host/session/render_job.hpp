@@ -35,13 +35,27 @@ struct Job {
   LoadTimes times;                     ///< for the statistics
 };
 
-/// Who follows a render. Called by the thread that renders.
+/// How far a render is.
+struct Progress {
+  uint64_t paths_done = 0, paths_total = 0;  ///< of the camera, those of an earlier render too
+  uint64_t earlier_paths = 0;                ///< of paths_done, those that an earlier render did
+  /// Estimated relative error (render::NoiseEstimate); NaN if it cannot be told yet, or is not followed: by
+  /// the reference, and in bands.
+  double noise = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Who follows a render. Called by the thread that renders, but for kernels().
 class Watcher {
  public:
   virtual ~Watcher() = default;
+  /// So many of the kernels that have to be compiled are done. Called by several threads, one at a time.
+  virtual void kernels(size_t /*done*/, size_t /*total*/) {}
   /// All is ready, the first path follows.
   virtual void begin() {}
-  virtual void progress(uint64_t /*paths_done*/, uint64_t /*paths_total*/) {}
+  virtual void progress(const Progress& /*progress*/) {}
+  /// The film as it was when it was last copied from the device: of a whole film on a device, as often as
+  /// progress().
+  virtual void state(const render::Film& /*film*/) {}
   /// True: begin nothing more. Asked often.
   virtual bool is_cancelled() { return false; }
   /// Nothing is rendered any more.
@@ -60,12 +74,16 @@ struct Result {
   std::unique_ptr<render::Renderer> renderer;  ///< of a whole film on a device; otherwise null
   uint64_t paths = 0;                          ///< camera paths, those of an earlier render too
   bool is_complete = false;                    ///< all samples, or the time or noise that was asked for
-  double noise = std::numeric_limits<double>::quiet_NaN();  ///< estimated, if there was a target
+  double seconds = 0;                          ///< of rendering
+  double noise = std::numeric_limits<double>::quiet_NaN();  ///< estimated, see Progress
   std::string summary;                                      ///< size, samples and seconds in words
   std::vector<std::string> warnings;                        ///< of the film
   std::vector<std::string> bugs;                            ///< what must not happen and did, in words
   std::optional<Error> failure;  ///< what ended the render early; the rest holds what was done before
 };
+
+/// Where on the film the pixels lie that are rendered.
+image::Placement placement_of(const render::Plan& plan);
 
 /// Renders. A device that is lost, or memory that runs out, after some of it was rendered becomes
 /// Result::failure.

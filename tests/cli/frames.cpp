@@ -131,9 +131,16 @@ TEST_F(Frames, APoseIsWhatTheAnimationHasAtThatTime) {
 }
 
 TEST_F(Frames, EveryFrameIsThePictureOfItsTimeInFilesOfItsOwn) {
-  const Finished finished = render({"-o", file("f.exr"), "--png", file("p##.png"), "--stats", file("s.json"),
-                                    "--frames", "1:3", "--fps", "4", "--animation", "slide"});
+  const Finished finished =
+      render({"-o", file("f.exr"), "--png", file("p##.png"), "--stats", file("s.json"), "--frames", "1:3",
+              "--fps", "4", "--animation", "slide", "--progress", "json"});
   ASSERT_EQ(finished.status, 0) << finished.err;
+  std::istringstream progress(finished.out);
+  std::vector<json> done;
+  for (std::string line; std::getline(progress, line);)
+    if (json::parse(line).at("phase") == "done") done.push_back(json::parse(line));
+  ASSERT_EQ(done.size(), 3u) << finished.out;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(done[static_cast<size_t>(i)].at("frame"), i + 1);
   EXPECT_FALSE(fs::exists(file("f.exr")));
   EXPECT_FALSE(fs::exists(file("f.0000.exr")));
   EXPECT_FALSE(fs::exists(file("f.0004.exr")));

@@ -72,7 +72,7 @@ class Outputs : public testing::Test {
 };
 
 TEST_F(Outputs, NothingTheSceneRefersToIsReplaced) {
-  for (const char* option : {"--output", "--png", "--stats", "--checkpoint"}) {
+  for (const char* option : {"--output", "--png", "--stats", "--report", "--checkpoint"}) {
     const auto refused = [&](const std::string& name, const std::string& what) {
       Arguments more = {option, file(name)};
       if (std::string(option) != "--output") more.insert(more.end(), {"-o", file("out.exr")});
@@ -130,7 +130,7 @@ TEST_F(Outputs, LinksLeadToTheSameFile) {
 }
 
 TEST_F(Outputs, OutputsAreDifferentFiles) {
-  const std::vector<const char*> options = {"--output", "--png", "--stats", "--checkpoint"};
+  const std::vector<const char*> options = {"--output", "--png", "--stats", "--report", "--checkpoint"};
   for (const char* a : options)
     for (const char* b : options) {
       if (a == b) continue;
@@ -260,7 +260,7 @@ TEST_F(Outputs, APngIsThePreview) {
 TEST_F(Outputs, PlacesThatCannotBeWrittenAreKnownBeforeTheSceneIsRead) {
   std::ofstream(file("broken.gltf")) << "no scene";
   const auto before = contents();
-  for (const char* option : {"--output", "--png", "--stats", "--checkpoint"}) {
+  for (const char* option : {"--output", "--png", "--stats", "--report", "--checkpoint"}) {
     const std::string name = std::string(option) == "--png" ? "x.png" : "x.exr";
     for (const std::string& place : {file("absent/" + name), file("broken.gltf/" + name), file("scene")})
       expect_error(run({"render", file("broken.gltf"), option, place}), 1, {option, place});

@@ -41,6 +41,8 @@ class Process {
   /// Whether it catches `signal` itself.
   bool catches(int signal) const;
   void send(int signal);
+  /// What it has written to stdout so far.
+  std::string said() const;
   Finished wait();
 
  private:

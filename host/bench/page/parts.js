@@ -10,7 +10,7 @@ function element(tag, attributes = {}, ...children) {
   node.append(...children);
   return node;
 }
-const number = x => x === null ? "–" : Math.abs(x) >= 0.01 && Math.abs(x) < 1000 ? x.toPrecision(3) : x.toExponential(2);
+const number = x => x === null ? "–" : x === 0 ? "0" : Math.abs(x) >= 0.01 && Math.abs(x) < 1000 ? x.toPrecision(3) : x.toExponential(2);
 
 // Log-log: curves of points [x, y]. A curve has a colour, and may be dashed or without dots; what is not positive is left out.
 function logLogPlot(curves, xText, yText) {

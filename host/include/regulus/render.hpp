@@ -86,7 +86,7 @@ using Progress = std::function<bool(uint64_t paths_done, uint64_t paths_total)>;
 struct Outcome {
   bool is_complete = false;  ///< all samples, or the time or noise that was asked for
   uint32_t samples = 0;      ///< that every pixel has
-  double noise = 0;          ///< estimated relative error; NaN without a target
+  double noise = 0;          ///< estimated relative error; NaN if it cannot be told (reference, one sample)
   std::string summary;       ///< size, samples and seconds in words
   std::vector<std::string> warnings;
 };
