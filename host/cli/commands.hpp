@@ -8,6 +8,7 @@ namespace regulus::cli {
 
 void add_render_command(CLI::App& app);
 void add_plan_command(CLI::App& app);
+void add_view_command(CLI::App& app);
 void add_check_command(CLI::App& app);
 void add_inspect_command(CLI::App& app);
 void add_devices_command(CLI::App& app);

@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
   regulus::cli::add_render_command(app);
   regulus::cli::add_inspect_command(app);
   regulus::cli::add_plan_command(app);
+  regulus::cli::add_view_command(app);
   regulus::cli::add_check_command(app);
   regulus::cli::add_devices_command(app);
   regulus::cli::add_diff_command(app);
