@@ -107,12 +107,15 @@ void Painter::paint(size_t side) {
     const uint64_t enough = std::max<uint64_t>(2 * samples(side), 1) * pixels;
     const uint64_t known = number_;
     const auto start = Clock::now();
+    // The first sample is finished in any case: a camera that moves on and on would never show anything.
+    const auto has_picture = [&] { return canvas.posted_paths != 0; };
     canvas.renderer->render(
         [&](uint64_t paths, uint64_t) {
           post_picture(side);
-          return paths < enough && mailbox_.get().second == known && !is_over_();
+          const bool is_wanted = !has_picture() || mailbox_.get().second == known;
+          return paths < enough && is_wanted && !is_over_();
         },
-        [&] { return is_over_() || is_outdated(side); });
+        [&] { return is_over_() || (has_picture() && is_outdated(side)); });
     canvas.seconds += std::chrono::duration<double>(Clock::now() - start).count();
     post_picture(side);
   } catch (const Error& error) {

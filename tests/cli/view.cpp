@@ -6,6 +6,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -51,11 +52,12 @@ class Client {
   void send(const std::string& bytes) const { ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL); }
   /// Nothing more is sent.
   void finish() const { shutdown(socket_, SHUT_WR); }
-  /// What comes until the other side ends, or until `enough` is in it.
+  /// What comes until the other side ends, or until `enough` is in it, within 20 seconds.
   std::string receive(const std::string& enough = {}) const {
     std::string text;
     char buffer[65536];
-    while (enough.empty() || text.find(enough) == std::string::npos) {
+    const auto deadline = Clock::now() + 20s;
+    while (Clock::now() < deadline && (enough.empty() || text.find(enough) == std::string::npos)) {
       const ssize_t count = recv(socket_, buffer, sizeof buffer, 0);
       if (count <= 0) break;
       text.append(buffer, static_cast<size_t>(count));
@@ -328,6 +330,30 @@ TEST_F(View, SlowClientsHoldNobodyUp) {
     last = slow.back()->receive("\r\n\r\n");
   }
   EXPECT_NE(last.find("503"), std::string::npos) << last.substr(0, 200);
+  viewing.process().send(SIGINT);
+  EXPECT_EQ(viewing.process().wait().status, 0);
+}
+
+// A state every 20 ms, as of a mouse that is dragged: pictures come all the same.
+TEST_F(View, ACameraThatKeepsMovingIsSeen) {
+  Viewing viewing(std::string(REGULUS_SOURCE_DIR) + "/scenes/cornell/cornell.gltf", {"--size", "320x240"});
+  const Client watcher(viewing.port());
+  watcher.send("GET " + viewing.path() + "events HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_NE(watcher.receive("event: picture").find("event: picture"), std::string::npos);
+  std::atomic<bool> is_over = false;
+  std::thread hand([&] {
+    json state = valid_state();
+    for (int step = 1; !is_over; ++step) {
+      const json middle = {{"x", 0}, {"y", 1}, {"z", 0}};
+      state["orbit"] = {{"yaw", 0.01 * step}, {"pitch", 0}, {"distance", 3}, {"target", middle}};
+      viewing.post(viewing.path() + "state", state.dump());
+      std::this_thread::sleep_for(20ms);
+    }
+  });
+  for (int picture = 0; picture < 4; ++picture)
+    EXPECT_NE(watcher.receive("event: picture").find("event: picture"), std::string::npos) << picture;
+  is_over = true;
+  hand.join();
   viewing.process().send(SIGINT);
   EXPECT_EQ(viewing.process().wait().status, 0);
 }
