@@ -11,15 +11,15 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/standard_streams.hpp"
 #include "bench/error.hpp"
 #include "bench/page.hpp"
 #include "cli/bench_options.hpp"
 #include "cli/bench_talk.hpp"
-#include "cli/interrupt.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 #include "image/formats.hpp"
 

@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/median.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/bench_error.hpp"
 #include "cli/bench_geometry.hpp"
 #include "cli/bench_rays.hpp"
@@ -17,7 +18,6 @@
 #include "cli/bench_stability.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"

@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/standard_streams.hpp"
 #include "bench/skip.hpp"
 #include "cli/bench_options.hpp"
-#include "cli/interrupt.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 
 namespace regulus::cli {

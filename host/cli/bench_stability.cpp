@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/standard_streams.hpp"
 #include "bench/stability_page.hpp"
-#include "cli/interrupt.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
-#include "cli/standard_streams.hpp"
 
 namespace regulus::cli {
 namespace {

@@ -8,10 +8,10 @@
 #include <memory>
 
 #include "base/error.hpp"
+#include "base/standard_streams.hpp"
 #include "check/check.hpp"
 #include "cli/commands.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 #include "session/check_run.hpp"
 

@@ -13,6 +13,7 @@ void add_check_command(CLI::App& app);
 void add_inspect_command(CLI::App& app);
 void add_devices_command(CLI::App& app);
 void add_merge_command(CLI::App& app);
+void add_denoise_command(CLI::App& app);
 void add_farm_command(CLI::App& app);
 void add_doctor_command(CLI::App& app);
 

@@ -6,12 +6,12 @@
 #include <memory>
 #include <string>
 
+#include "base/standard_streams.hpp"
 #include "cli/command_tree.hpp"
 #include "cli/commands.hpp"
 #include "cli/completion.hpp"
 #include "cli/manual.hpp"
 #include "cli/output_writer.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 
 namespace regulus::cli {

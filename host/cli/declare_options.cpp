@@ -39,6 +39,32 @@ CLI::Option* add_setting(CLI::App& command, RenderOptions& options, const std::s
       });
 }
 
+// How the picture is shown and stored.
+void declare_look(CLI::App& command, RenderOptions& options) {
+  const CLI::Validator is_stops = number_in(-100.0, 100.0);
+  command
+      .add_option_function<std::string>(
+          "--exposure",
+          [&options](const std::string& text) {
+            options.is_exposed_automatically = text == "auto";
+            options.exposure_ev = options.is_exposed_automatically ? 0 : std::stof(text);
+          },
+          "Exposure of PNG and JPEG; auto: the mean of the picture's logarithms becomes middle grey")
+      ->type_name("STOPS|auto")
+      ->check([is_stops](std::string text) { return text == "auto" ? std::string() : is_stops(text); });
+  command
+      .add_option(
+          "--view", options.view,
+          "How PNG and JPEG show linear light: neutral (Khronos), standard (cut off), agx, filmic (Hable), "
+          "raw (no curve)")
+      ->type_name(fmt::format("{}", fmt::join(image::view_names(), "|")))
+      ->check(one_of(image::view_names()))
+      ->capture_default_str();
+  command.add_flag("--half", options.storage.has_half_floats,
+                   "Store colours and normals of OpenEXR as half floats");
+  command.add_flag("--dwaa", options.storage.is_dwaa, "Store OpenEXR with DWAA's lossy compression");
+}
+
 void declare_output(CLI::App& command, RenderOptions& options) {
   command
       .add_option("-o,--output", options.output,
@@ -46,12 +72,15 @@ void declare_output(CLI::App& command, RenderOptions& options) {
                   "(default: the scene's name with .exr, and beside it with .png)")
       ->type_name("FILE");
   command.add_option("--png", options.png, "Also write a tone-mapped 8-bit PNG")->type_name("FILE");
-  command.add_option("--exposure", options.exposure_ev, "Exposure of PNG and JPEG")
-      ->type_name("STOPS")
-      ->check(number_in(-100.0, 100.0));
+  declare_look(command, options);
   add_setting(command, options, "--aov",
               fmt::format("Extra channels, separated by commas: {}", fmt::join(render::known_aovs(), ", ")))
       ->type_name("NAMES");
+  command.add_flag(
+      "--denoise", options.is_denoised,
+      "Denoise the picture, with albedo and normals, which are added to it; what it was stays as "
+      "noisy.R, noisy.G, noisy.B. Takes a box filter unless --filter says otherwise");
+  add_denoiser_options(command, options.denoise);
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP)->type_name("FOLDER");
   command.add_option("--stats", options.stats, "Write times, rays and memory as JSON")->type_name("FILE");
   command
@@ -256,6 +285,7 @@ void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
   command.add_option("--env-scale", options.environment_scale, "Factor on the environment's radiance")
       ->type_name("FACTOR")
       ->check(number_in(0.0, 1e12));
+  add_edit_option(command, options.edits);
   command.add_flag("--allow-external", options.allow_external,
                    "Let the scene refer to files outside its folder");
   command.add_flag("--strict", options.is_strict, STRICT_HELP);
@@ -307,6 +337,15 @@ void declare_long_renders(CLI::App& command, RenderOptions& options) {
 }
 
 }  // namespace
+
+void add_edit_option(CLI::App& command, std::vector<std::string>& edits) {
+  command
+      .add_option("-D,--define", edits,
+                  "Edit the scene, as in materials.Glass.roughness=0.1, cameras.0.yfov=0.5 or "
+                  "nodes.Lamp.translation=0,2,0; any number of times")
+      ->type_name("ELEMENT.PROPERTY=VALUE")
+      ->allow_extra_args(false);
+}
 
 void add_memory_option(CLI::App& command, uint64_t& bytes) {
   command

@@ -4,8 +4,8 @@
 #include <fmt/ranges.h>
 
 #include "base/error.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/commands.hpp"
-#include "cli/standard_streams.hpp"
 #include "gpu/gpu.hpp"
 
 namespace regulus::cli {

@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/output_guard.hpp"
-#include "cli/standard_streams.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"
 
@@ -72,7 +72,7 @@ MapFormats check_outputs(const DiffOptions& options) {
     if (file.empty()) return;
     guard.add_output(option, file);
     if (format != nullptr) *format = image::require_format(option, file, {Format::Png, Format::Jpeg});
-    image::require_writable(file);
+    require_writable(file);
   };
   add("--json", options.json, nullptr);
   add("--heat-map", options.heat_map, &formats.heat);
@@ -86,14 +86,13 @@ void diff(const DiffOptions& options) {
   const image::Image reference = image::read_exr(options.reference);
   const image::Metrics metrics = compare(options, image, reference);
   const double flip = image::flip(image, reference);
-  if (!options.json.empty())
-    image::write_file_atomically(options.json, to_json(metrics, flip).dump(2) + "\n");
+  if (!options.json.empty()) write_file_atomically(options.json, to_json(metrics, flip).dump(2) + "\n");
   if (!options.heat_map.empty())
-    image::write_file_atomically(options.heat_map,
-                                 image::encode_heat_map(formats.heat, image, reference, options.heat_map));
+    write_file_atomically(options.heat_map,
+                          image::encode_heat_map(formats.heat, image, reference, options.heat_map));
   if (!options.flip_map.empty())
-    image::write_file_atomically(options.flip_map,
-                                 image::encode_flip_map(formats.flip, image, reference, options.flip_map));
+    write_file_atomically(options.flip_map,
+                          image::encode_flip_map(formats.flip, image, reference, options.flip_map));
   print(metrics, flip);
 }
 

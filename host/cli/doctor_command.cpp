@@ -11,15 +11,15 @@
 #include <thread>
 #include <vector>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/machine_memory.hpp"
 #include "base/printable.hpp"
+#include "base/standard_streams.hpp"
 #include "base/version.hpp"
 #include "cli/commands.hpp"
-#include "cli/standard_streams.hpp"
 #include "gpu/gpu.hpp"
 #include "gpu/machine.hpp"
-#include "image/atomic_file.hpp"
 
 namespace regulus::cli {
 
@@ -213,7 +213,7 @@ void look_at_cache(Findings& findings) {
   const std::string folder = shortened(cache.folder.string());
   const fs::path existing = existing_part(cache.folder);
   try {
-    image::require_writable(existing / "regulus-doctor");
+    require_writable(existing / "regulus-doctor");
   } catch (const Error& error) {
     findings.fault(fmt::format("{} cannot be written, so every render compiles its kernels: {}", folder,
                                shortened(error.what())),

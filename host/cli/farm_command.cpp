@@ -6,16 +6,16 @@
 #include <memory>
 #include <set>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/shell_words.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/commands.hpp"
 #include "cli/farm_script.hpp"
 #include "cli/frames.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "scene/scene.hpp"
 #include "session/request.hpp"
@@ -117,7 +117,7 @@ void write_job(CLI::App& command, FarmOptions& options) {
   guard.add_output("--output", options.output);
   guard.add_output("--script", script);
   guard.require_places();
-  image::write_file_atomically(script, farm_script(job));
+  write_file_atomically(script, farm_script(job));
   say("{}: {} {} in {} parts; begin with: sh {}\n", script.string(), job.count,
       job.has_frames ? "frames" : "samples", job.parts, shell_word(not_an_option(script.string())));
 }

@@ -11,11 +11,11 @@
 
 #include "base/error.hpp"
 #include "base/printable.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/commands.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 #include "reference/merge_radius.hpp"
 #include "render/device_images.hpp"
@@ -32,6 +32,7 @@ using namespace interface;
 
 struct InspectOptions {
   std::string scene_file, json, variant, animation;
+  std::vector<std::string> edits;
   std::optional<double> time;
   std::optional<uint32_t> scene_index;
   bool allow_external = false;
@@ -179,7 +180,8 @@ Json inspect(const InspectOptions& options) {
                                                .variant = options.variant,
                                                .memory_bytes = options.memory_bytes,
                                                .animation = options.animation,
-                                               .time = options.time}));
+                                               .time = options.time,
+                                               .edits = options.edits}));
   const scene::Scene& scene = prepared.scene;
   std::vector<std::string> warnings = scene.warnings;
   const render::RenderSettings settings = default_settings(scene, warnings);
@@ -314,6 +316,7 @@ void add_inspect_command(CLI::App& app) {
   command->add_option("--at", options->time, "Time in seconds at which the animation poses the scene")
       ->type_name("SECONDS")
       ->check(number_in(-1e9, 1e9));
+  add_edit_option(*command, options->edits);
   command->add_option("--json", options->json, "Write everything to this file")->type_name("FILE");
   command->add_flag("--allow-external", options->allow_external,
                     "Let the scene refer to files outside its folder");

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/standard_streams.hpp"
 #include "base/version.hpp"
 #include "cli/arguments.hpp"
 #include "cli/bench_kernels.hpp"
 #include "cli/commands.hpp"
 #include "cli/diff.hpp"
 #include "cli/help.hpp"
-#include "cli/standard_streams.hpp"
 
 namespace {
 
@@ -60,6 +60,7 @@ int run(int argc, char** argv) {
   regulus::cli::add_devices_command(app);
   regulus::cli::add_diff_command(app);
   regulus::cli::add_merge_command(app);
+  regulus::cli::add_denoise_command(app);
   regulus::cli::add_farm_command(app);
   regulus::cli::add_bench_command(app);
   regulus::cli::add_doctor_command(app);
@@ -72,13 +73,13 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) {  // --help, --version
       std::ostringstream text;
       app.exit(error, text, text);
-      regulus::cli::say_text(text.str());
+      regulus::say_text(text.str());
     } else {
       return fail(regulus::cli::describe_usage_error(app, arguments, error) + " (see --help)",
                   regulus::ErrorCode::BadUsage);
     }
   }
-  regulus::cli::finish_stdout();
+  regulus::finish_stdout();
   return 0;
 }
 
@@ -86,7 +87,7 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    regulus::cli::prepare_streams();
+    regulus::prepare_streams();
     return run(argc, argv);
   } catch (const regulus::SettingError& error) {
     return fail(std::string("--") + error.what(), error.code());  // settings are options here

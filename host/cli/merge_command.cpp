@@ -4,12 +4,12 @@
 
 #include <memory>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "cli/commands.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/validators.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "session/merge.hpp"
 
@@ -32,7 +32,7 @@ void require_free_output(const MergeOptions& options) {
   for (const std::string& part : options.parts) guard.add_input(part, "one of the parts");
   guard.add_output("OUTPUT", options.output);
   std::error_code ignored;
-  if (!fs::exists(options.output, ignored) || image::is_device_or_pipe(options.output)) return;
+  if (!fs::exists(options.output, ignored) || is_device_or_pipe(options.output)) return;
   if (session::is_part(options.output))
     throw Error(ErrorCode::BadUsage,
                 fmt::format("{}: is a part itself, which OUTPUT would replace; name another output first, or "
@@ -47,7 +47,7 @@ void merge(const MergeOptions& options) {
   require_free_output(options);
   const Format format =
       image::require_format("OUTPUT", options.output, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
-  image::require_writable(options.output);
+  require_writable(options.output);
   const session::Part sum = session::merge_parts({options.parts.begin(), options.parts.end()});
   for (const std::string& warning : session::saturation_warnings(sum.film))
     fmt::print(stderr, "regulus: warning: {}: {}\n", options.output, warning);

@@ -1,10 +1,10 @@
 #include "cli/output_guard.hpp"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "image/atomic_file.hpp"
+#include "base/file_identity.hpp"
 #include "scene/references.hpp"
 
 namespace regulus::cli {
@@ -27,7 +27,7 @@ void require_place(const std::string& option, const fs::path& file) {
   if (fs::is_directory(file, error))
     throw Error(ErrorCode::Failed, fmt::format("{} {}: is a folder; name a file", option, file.string()));
   try {
-    image::require_writable(file);
+    require_writable(file);
   } catch (const Error& problem) {
     throw Error(problem.code(), fmt::format("{} {}", option, problem.what()));
   }
@@ -38,19 +38,19 @@ void require_place(const std::string& option, const fs::path& file) {
 OutputGuard::Identity OutputGuard::identify(const fs::path& file) {
   fs::path target = file;
   try {
-    target = image::follow_links(file);
+    target = follow_links(file);
   } catch (const Error&) {  // links in a circle lead to no file that could be lost
   }
-  struct stat status {};
-  if (::stat(target.c_str(), &status) == 0) return {status.st_dev, status.st_ino, {}};
+  if (const auto found = file_identity(target)) return {found->first, found->second, {}};
   const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
-  if (::stat(folder.c_str(), &status) == 0) return {status.st_dev, status.st_ino, target.filename().string()};
+  if (const auto found = file_identity(folder))
+    return {found->first, found->second, target.filename().string()};
   std::error_code error;
   return {0, 0, fs::absolute(target, error).lexically_normal().string()};
 }
 
 void OutputGuard::add_input(const fs::path& file, const std::string& what) {
-  if (image::is_device_or_pipe(file)) return;
+  if (is_device_or_pipe(file)) return;
   const Identity identity = identify(file);
   const auto output = outputs_.find(identity);
   if (output != outputs_.end()) fail(output->second.option, output->second.file, what);
@@ -65,7 +65,7 @@ void OutputGuard::add_scene(const fs::path& scene_file) {
 
 void OutputGuard::add_output(const std::string& option, const fs::path& file) {
   unchecked_.push_back({option, file});
-  if (image::is_device_or_pipe(file)) return;
+  if (is_device_or_pipe(file)) return;
   const Identity identity = identify(file);
   const auto input = inputs_.find(identity);
   if (input != inputs_.end()) fail(option, file, input->second);

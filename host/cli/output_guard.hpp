@@ -1,8 +1,7 @@
 // Keeps what a command writes apart from what it reads, and from what else it writes.
 #pragma once
 
-#include <sys/types.h>
-
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -34,7 +33,7 @@ class OutputGuard {
 
  private:
   /// Device and number of an existing file; of another one those of its folder, and its name.
-  using Identity = std::tuple<dev_t, ino_t, std::string>;
+  using Identity = std::tuple<uint64_t, uint64_t, std::string>;
   struct Output {
     std::string option;
     std::filesystem::path file;

@@ -4,8 +4,8 @@
 
 #include <new>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "image/atomic_file.hpp"
 
 namespace regulus::cli {
 
@@ -13,7 +13,7 @@ void OutputWriter::write(const std::filesystem::path& file, const std::function<
   std::string bytes, failure;
   try {
     bytes = encode();
-    image::write_file_atomically(file, bytes);
+    write_file_atomically(file, bytes);
     return;
   } catch (const Error& error) {
     failure = error.what();
@@ -21,7 +21,7 @@ void OutputWriter::write(const std::filesystem::path& file, const std::function<
     failure = fmt::format("{}: not enough memory to encode it", file.string());
   }
   const std::filesystem::path rescued =
-      bytes.empty() ? std::filesystem::path() : image::write_to_temporary_folder(file, bytes);
+      bytes.empty() ? std::filesystem::path() : write_to_temporary_folder(file, bytes);
   if (!rescued.empty()) failure += fmt::format("; it is in {} instead", rescued.string());
   failures_ += (failures_.empty() ? "" : "; ") + failure;
 }

@@ -1,12 +1,12 @@
 // `regulus plan`: what `render -i auto` would choose for a scene, and among what.
 #include <memory>
 
+#include "base/standard_streams.hpp"
 #include "cli/choice_json.hpp"
 #include "cli/commands.hpp"
 #include "cli/output_guard.hpp"
 #include "cli/output_writer.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "render/names.hpp"
 #include "render/technique_choice.hpp"
 

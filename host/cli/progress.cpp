@@ -8,8 +8,8 @@
 #include <new>
 #include <system_error>
 
+#include "base/standard_streams.hpp"
 #include "base/terminal.hpp"
-#include "cli/standard_streams.hpp"
 
 namespace regulus::cli {
 

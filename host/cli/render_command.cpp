@@ -10,16 +10,17 @@
 #include <optional>
 #include <set>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/interrupt.hpp"
+#include "base/standard_streams.hpp"
 #include "cli/commands.hpp"
 #include "cli/frames.hpp"
-#include "cli/interrupt.hpp"
 #include "cli/progress.hpp"
 #include "cli/render_options.hpp"
 #include "cli/render_outputs.hpp"
 #include "cli/render_result.hpp"
 #include "cli/render_watcher.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "scene/placement.hpp"
 #include "session/checkpoint.hpp"
@@ -87,7 +88,7 @@ struct Session {
 // Whether there is a checkpoint, or a device in its place is none.
 bool has_checkpoint(const RenderOptions& options) {
   std::error_code error;
-  return fs::exists(options.checkpoint, error) && !image::is_device_or_pipe(options.checkpoint);
+  return fs::exists(options.checkpoint, error) && !is_device_or_pipe(options.checkpoint);
 }
 
 // Without --resume a checkpoint is not overwritten: it may be hours of work.
@@ -116,6 +117,26 @@ gpu::Device& open_device(const RenderOptions& options, Session& session) {
   else
     spdlog::info("device {}", info.name);
   return *session.device;
+}
+
+// Before hours of work.
+void prepare_to_denoise(const CLI::App& command, RenderOptions& options) {
+  if (!options.sample_range.empty())
+    throw Error(ErrorCode::BadUsage,
+                "--denoise: the sum of denoised parts is no denoised sum; denoise what merge has joined "
+                "(regulus denoise)");
+  require_denoiser(options.denoise);
+  // Noise is to be that of one pixel: light paths are splatted onto all pixels whose filter reaches them.
+  if (command.get_option("--filter")->count() == 0) options.settings.filter = interface::FILTER_BOX;
+}
+
+// The noisy picture is better than none.
+void try_to_denoise(const RenderOptions& options, session::Result& result) {
+  try {
+    denoise_picture(options.denoise, result.image, result.channels, result.attributes);
+  } catch (const Error& error) {
+    spdlog::error("{}; the picture is written as it is", error.what());
+  }
 }
 
 void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
@@ -153,9 +174,12 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
                    session::placement_of(plan));
   const Limits limits{!options.has_no_sample_limit, options.time_limit, options.noise_target};
   RenderWatcher watcher(session.progress, limits, plan.window().pixels(), viewer ? &*viewer : nullptr);
-  const session::Result result = session::render(prepared, plan, job, device, watcher);
+  session::Result result = session::render(prepared, plan, job, device, watcher);
+  if (options.is_denoised) try_to_denoise(options, result);
   if (viewer) viewer->finish(result.image);
-  write_result({result, prepared, plan, job, options, outputs, watcher.convergence()}, session.progress,
+  RenderOptions exposed = options;
+  if (options.is_exposed_automatically) exposed.exposure_ev = image::automatic_exposure(result.image);
+  write_result({result, prepared, plan, job, exposed, outputs, watcher.convergence()}, session.progress,
                session.begin);
   if (!viewer) return;
   viewer->close();
@@ -169,6 +193,7 @@ void render_picture(const RenderOptions& options, const RenderOutputs& outputs, 
   settings.keeps_doublings |= !options.report.empty();  // for the curve of its error
   check_outputs(outputs, options, settings, session.guard);
   const bool holds_sums = !options.sample_range.empty() || !options.checkpoint.empty();
+  if (options.is_denoised) settings.aovs |= aovs_for_denoiser(options.denoise);
   session::require_film_memory(settings, holds_sums, options.backend != "reference", options.memory_bytes);
   session::LoadTimes times;
   times.load_seconds = session.stopwatch.lap();
@@ -206,6 +231,7 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   Session session(options);
   set_up_log(options, session.progress);
   lift_sample_limit(command, options);
+  if (options.is_denoised) prepare_to_denoise(command, options);
   options.has_strategy_images = !options.strategy_images.empty();
   std::vector<Frame> frames = parse_frames(options);
   std::vector<Picture> pictures = plan_pictures(options, frames, session.guard);

@@ -20,6 +20,12 @@ const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "report",
                                                  "display-server",
                                                  "strategy-images",
+                                                 "denoise",
+                                                 "denoiser",
+                                                 "oidn",
+                                                 "half",
+                                                 "dwaa",
+                                                 "define",
                                                  "device",
                                                  "scene",
                                                  "allow-external",
@@ -61,7 +67,15 @@ scene::LoadOptions load_options(const RenderOptions& options) {
           .variant = options.variant,
           .memory_bytes = options.memory_bytes,
           .animation = options.animation,
-          .time = options.time};
+          .time = options.time,
+          .edits = options.edits};
+}
+
+image::Encoding encoding(const RenderOptions& options) {
+  image::Encoding encoding(options.exposure_ev);
+  encoding.view = image::view_of(options.view);
+  encoding.storage = options.storage;
+  return encoding;
 }
 
 std::vector<std::string> apply_scene_settings(CLI::App& command, const scene::Scene& scene) {
@@ -93,6 +107,8 @@ void require_no_outputs(const RenderOptions& options, const std::string& who) {
   for (const auto& [option, file] : outputs)
     if (!file.empty())
       throw Error(ErrorCode::BadUsage, fmt::format("{} writes no files; leave out {}", who, option));
+  if (options.is_denoised)
+    throw Error(ErrorCode::BadUsage, fmt::format("{} writes no picture; leave out --denoise", who));
 }
 
 void lift_sample_limit(const CLI::App& command, RenderOptions& options) {

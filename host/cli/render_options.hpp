@@ -5,7 +5,9 @@
 #include <optional>
 #include <string>
 
+#include "cli/denoise_options.hpp"
 #include "cli/progress_style.hpp"
+#include "image/encoding.hpp"
 #include "scene/scene.hpp"
 #include "session/request.hpp"
 
@@ -29,13 +31,19 @@ struct RenderOptions : session::Request {
   std::string device;
   std::string backend = "vulkan";  ///< or "reference": the scalar reference, which needs no device
   float exposure_ev = 0;
+  bool is_exposed_automatically = false;
+  std::string view = "neutral";  ///< see image::View
+  image::ExrStorage storage;
+  bool is_denoised = false;
+  DenoiseOptions denoise;
   std::string animation;       ///< name or index; empty: the scene's, or none
   std::optional<double> time;  ///< s, of the animation
   std::string frames;          ///< FIRST:LAST; empty: one picture
   double frames_per_second = 24;
   std::optional<uint32_t> scene_index;
-  std::string variant;      ///< of materials; empty: the scene's
-  std::string environment;  ///< file; empty: the scene's
+  std::vector<std::string> edits;  ///< of the scene, see scene::apply_edits
+  std::string variant;             ///< of materials; empty: the scene's
+  std::string environment;         ///< file; empty: the scene's
   std::optional<double> environment_rotation, environment_scale;
   bool allow_external = false;
   bool is_strict = false;
@@ -46,6 +54,12 @@ struct RenderOptions : session::Request {
 
 /// What the options say of loading the scene.
 scene::LoadOptions load_options(const RenderOptions& options);
+
+/// How the options say that a picture is written.
+image::Encoding encoding(const RenderOptions& options);
+
+/// Declares -D, which adds to `edits`.
+void add_edit_option(CLI::App& command, std::vector<std::string>& edits);
 
 /// Declares --memory, which is written to `bytes`.
 void add_memory_option(CLI::App& command, uint64_t& bytes);

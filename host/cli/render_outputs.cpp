@@ -63,6 +63,8 @@ void check_outputs(const RenderOutputs& outputs, const RenderOptions& options,
     throw Error(ErrorCode::BadUsage,
                 fmt::format("--samples needs --output FILE.exr; {} holds no sums of samples",
                             outputs.picture.string()));
+  if (!options.sample_range.empty() && (options.storage.has_half_floats || options.storage.is_dwaa))
+    throw Error(ErrorCode::BadUsage, "--samples: parts keep all their bits; leave out --half and --dwaa");
   if (outputs.format != Format::Exr && settings.aovs != 0)
     throw Error(ErrorCode::BadUsage,
                 fmt::format("--aov needs --output FILE.exr; {} holds no channels but colour",

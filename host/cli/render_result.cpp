@@ -8,9 +8,9 @@
 #include <filesystem>
 
 #include "base/error.hpp"
+#include "base/standard_streams.hpp"
 #include "base/version.hpp"
 #include "cli/choice_json.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/strategy_images.hpp"
 #include "image/formats.hpp"
 
@@ -69,8 +69,8 @@ void write_others(OutputWriter& writer, const Rendered& rendered) {
   const RenderOutputs& outputs = rendered.outputs;
   if (!outputs.png.empty())
     writer.write(outputs.png, [&] {
-      return image::encode_tone_mapped(image::Format::Png, rendered.result.image,
-                                       rendered.options.exposure_ev, outputs.png.string());
+      return image::encode_tone_mapped(image::Format::Png, rendered.result.image, encoding(rendered.options),
+                                       outputs.png.string());
     });
   if (!outputs.stats.empty())
     writer.write(outputs.stats, [&] { return rendered.result.statistics.dump(2) + "\n"; });
@@ -115,7 +115,8 @@ void write_result(const Rendered& rendered, ProgressReport& progress, Clock::tim
   progress.begin("write");
   OutputWriter writer;
   writer.write(outputs.picture, [&] {
-    return encode(result, rendered.plan, rendered.job, outputs.format, exposure_ev, outputs.picture);
+    return encode(result, rendered.plan, rendered.job, outputs.format, encoding(rendered.options),
+                  outputs.picture);
   });
   write_others(writer, rendered);
   if (!outputs.strategy_images.empty() && !result.failure)

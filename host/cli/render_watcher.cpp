@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "cli/interrupt.hpp"
+#include "base/interrupt.hpp"
 
 namespace regulus::cli {
 

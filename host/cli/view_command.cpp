@@ -3,11 +3,11 @@
 
 #include <memory>
 
+#include "base/interrupt.hpp"
+#include "base/standard_streams.hpp"
 #include "bench/view_page.hpp"
 #include "cli/commands.hpp"
-#include "cli/interrupt.hpp"
 #include "cli/render_options.hpp"
-#include "cli/standard_streams.hpp"
 #include "cli/validators.hpp"
 #include "render/names.hpp"
 #include "view/painter.hpp"

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <optional>
 
+#include "base/process.hpp"
 #include "gpu/limits.hpp"
 #include "gpu/machine.hpp"
 #include "gpu/selection.hpp"
@@ -108,7 +109,7 @@ Candidate describe(const vk::raii::PhysicalDevice& physical) {
 
 /// lavapipe reads its vector width from the environment when its instance is made. The user's choice stands.
 void choose_software_vector_width() {
-  if (*SOFTWARE_VECTOR_BITS != '\0') ::setenv("LP_NATIVE_VECTOR_WIDTH", SOFTWARE_VECTOR_BITS, 0);
+  if (*SOFTWARE_VECTOR_BITS != '\0') set_default_variable("LP_NATIVE_VECTOR_WIDTH", SOFTWARE_VECTOR_BITS);
 }
 
 }  // namespace

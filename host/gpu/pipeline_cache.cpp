@@ -1,7 +1,6 @@
 #include "gpu/pipeline_cache.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <vulkan/vulkan_core.h>
 
 #include <algorithm>
@@ -9,6 +8,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "base/process.hpp"
 #include "gpu/limits.hpp"
 #include "gpu/machine.hpp"
 
@@ -118,7 +118,7 @@ void PipelineCacheFile::store(const CachedKernel& kernel) const {
   if (path_.empty()) return;
   std::error_code ignored;
   fs::create_directories(path_.parent_path(), ignored);
-  const fs::path temporary = fmt::format("{}.{}", path_.string(), ::getpid());
+  const fs::path temporary = fmt::format("{}.{}", path_.string(), process_number());
   const auto spirv = std::as_bytes(std::span(kernel.spirv));
   std::vector<std::byte> data(spirv.begin(), spirv.end());
   data.insert(data.end(), kernel.driver_data.begin(), kernel.driver_data.end());

@@ -1,5 +1,6 @@
 // OpenEXR in and out. Files are encoded in memory and written in one go (atomic_file.hpp). Reading treats
 // the file as hostile: sizes are checked against the file's length before anything is allocated.
+#include <Imath/half.h>
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfChromaticitiesAttribute.h>
 #include <OpenEXR/ImfFrameBuffer.h>
@@ -13,12 +14,14 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <exception>
 #include <fstream>
 #include <sstream>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "image/atomic_file.hpp"
+#include "image/encoding.hpp"
 #include "image/exr_header.hpp"
 #include "image/exr_memory.hpp"
 #include "image/image.hpp"
@@ -72,20 +75,45 @@ Imf::Slice channel_slice(const Channel& channel, const Imath::Box2i& window) {
       channel);
 }
 
+/// Colours and directions, for which 11 bits of mantissa do.
+bool may_be_half(const std::string& name) {
+  const std::string_view last = std::string_view(name).substr(name.rfind('.') + 1);
+  return last == "R" || last == "G" || last == "B" || last == "A" || name.starts_with("N.") ||
+         name.starts_with("Ng.");
+}
+
+constexpr float LARGEST_HALF = 65504;
+
+/// Finite values stay finite.
+half to_half(const float value) {
+  return std::isfinite(value) ? half(std::clamp(value, -LARGEST_HALF, LARGEST_HALF)) : half(value);
+}
+
+/// The halves of every `stride`th value from `values` on.
+std::vector<half> to_halves(const float* values, const size_t count, const size_t stride) {
+  std::vector<half> halves(count);
+  for (size_t i = 0; i < count; ++i) halves[i] = to_half(values[i * stride]);
+  return halves;
+}
+
 Imf::Header make_header(const Image& image, const Attributes& attributes, const Channels& channels,
-                        const Placement& placement) {
+                        const Placement& placement, const ExrStorage& storage) {
   const Imath::V2i first(static_cast<int>(placement.x), static_cast<int>(placement.y));
   const Imath::V2i size(static_cast<int>(image.width), static_cast<int>(image.height));
   const Imath::V2i film(static_cast<int>(placement.film_width), static_cast<int>(placement.film_height));
   const Imath::Box2i data(first, first + size - Imath::V2i(1));
   const Imath::Box2i display(Imath::V2i(0), film - Imath::V2i(1));
   Imf::Header header(placement.film_width != 0 ? display : data, data);
-  header.compression() = Imf::ZIP_COMPRESSION;
+  header.compression() = storage.is_dwaa ? Imf::DWAA_COMPRESSION : Imf::ZIP_COMPRESSION;
   Imf::addChromaticities(header, Imf::Chromaticities());  // the default is Rec. 709 with D65
   for (const auto& [name, value] : attributes) header.insert(name, Imf::StringAttribute(value));
-  for (const char* name : {"R", "G", "B"}) header.channels().insert(name, Imf::Channel(Imf::FLOAT));
+  const auto type_of = [&](const std::string& name, const Imf::PixelType type) {
+    return storage.has_half_floats && type == Imf::FLOAT && may_be_half(name) ? Imf::HALF : type;
+  };
+  for (const char* name : {"R", "G", "B"})
+    header.channels().insert(name, Imf::Channel(type_of(name, Imf::FLOAT)));
   for (const auto& [name, channel] : channels)
-    header.channels().insert(name, Imf::Channel(pixel_type(channel)));
+    header.channels().insert(name, Imf::Channel(type_of(name, pixel_type(channel))));
   return header;
 }
 
@@ -95,13 +123,24 @@ Imf::Slice rgb_slice(const Image& image, const size_t component, const Imath::Bo
 }
 
 std::string encode_checked(const Image& image, const Attributes& attributes, const Channels& channels,
-                           const Placement& placement) {
-  const Imf::Header header = make_header(image, attributes, channels, placement);
+                           const Placement& placement, const ExrStorage& storage) {
+  const Imf::Header header = make_header(image, attributes, channels, placement, storage);
   const Imath::Box2i& window = header.dataWindow();
   Imf::FrameBuffer pixels;
   for (size_t component = 0; component < 3; ++component)
     pixels.insert(std::string(1, "RGB"[component]), rgb_slice(image, component, window));
   for (const auto& [name, channel] : channels) pixels.insert(name, channel_slice(channel, window));
+  std::vector<std::vector<half>> halves;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().type != Imf::HALF) continue;
+    const std::string name = channel.name();
+    const size_t color = std::string_view("RGB").find(name);
+    const size_t count = size_t{image.width} * image.height;
+    halves.push_back(color != std::string_view::npos
+                         ? to_halves(image.rgb.data() + color, count, 3)
+                         : to_halves(std::get<std::vector<float>>(channels.at(name)).data(), count, 1));
+    pixels.insert(name, Imf::Slice::Make(Imf::HALF, halves.back().data(), window));
+  }
 
   Imf::StdOSStream stream;
   {
@@ -111,8 +150,6 @@ std::string encode_checked(const Image& image, const Attributes& attributes, con
   }  // the destructor completes the line offset table
   return stream.str();
 }
-
-constexpr float LARGEST_HALF = 65504;
 
 uint64_t pixel_bytes_of(const Imf::Header& header) {
   uint64_t bytes = 0;
@@ -252,16 +289,21 @@ auto open_and_read(const fs::path& path, const Read& read) {
 }  // namespace
 
 std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
-                       const Placement& placement, const std::string_view name) {
+                       const Placement& placement, const std::string_view name, const ExrStorage& storage) {
   const size_t pixel_count = size_t{image.width} * image.height;
   require_size(name, "RGB", image.rgb.size(), 3 * pixel_count);
   for (const auto& [key, channel] : channels) require_size(name, key, value_count(channel), pixel_count);
   try {
-    return encode_checked(image, attributes, channels, placement);
+    return encode_checked(image, attributes, channels, placement, storage);
   } catch (const std::exception& error) {
     throw Error(ErrorCode::Failed,
                 fmt::format("{}: cannot be encoded as OpenEXR ({})", name, one_line(error.what())));
   }
+}
+
+std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
+                       const Placement& placement, const std::string_view name) {
+  return encode_exr(image, attributes, channels, placement, name, {});
 }
 
 void write_exr(const fs::path& path, const Image& image, const Attributes& attributes,

@@ -6,8 +6,8 @@
 #include <cctype>
 #include <map>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "image/atomic_file.hpp"
 
 namespace regulus::image {
 
@@ -43,16 +43,16 @@ Format require_format(const std::string& option, const std::filesystem::path& pa
                                                option, path.string(), names));
 }
 
-std::string encode_picture(const Format format, const Image& image, const float exposure_ev,
+std::string encode_picture(const Format format, const Image& image, const Encoding& encoding,
                            const Attributes& attributes, const Channels& channels, const Placement& placement,
                            const std::string_view name) {
   switch (format) {
     case Format::Exr:
-      return encode_exr(image, attributes, channels, placement, name);
+      return encode_exr(image, attributes, channels, placement, name, encoding.storage);
     case Format::Hdr:
       return encode_hdr(image, name);
     default:
-      return encode_tone_mapped(format, image, exposure_ev, name);
+      return encode_tone_mapped(format, image, encoding, name);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "image/encoding.hpp"
 #include "image/image.hpp"
 
 namespace regulus::image {
@@ -25,14 +26,17 @@ Format require_format(const std::string& option, const std::filesystem::path& pa
                       const std::vector<Format>& allowed);
 
 /// The bytes of a picture in a format. Channels, attributes and placement are OpenEXR's alone; PNG and JPEG
-/// are exposed by 2^exposure_ev and tone-mapped, HDR has 8 bits of mantissa and no negative values.
+/// are exposed and seen as `encoding` says, whose storage is OpenEXR's alone; HDR has 8 bits of mantissa and
+/// no negative values.
 /// @throws regulus::Error (Failed) naming `name`
-std::string encode_picture(Format format, const Image& image, float exposure_ev, const Attributes& attributes,
-                           const Channels& channels, const Placement& placement, std::string_view name);
+std::string encode_picture(Format format, const Image& image, const Encoding& encoding,
+                           const Attributes& attributes, const Channels& channels, const Placement& placement,
+                           std::string_view name);
 
-/// 8-bit sRGB PNG or JPEG of the image scaled by 2^exposure_ev and tone-mapped.
+/// 8-bit PNG or JPEG of the image, exposed and seen as `encoding` says.
 /// @throws regulus::Error (Failed) naming `name`
-std::string encode_tone_mapped(Format format, const Image& image, float exposure_ev, std::string_view name);
+std::string encode_tone_mapped(Format format, const Image& image, const Encoding& encoding,
+                               std::string_view name);
 
 /// PNG or JPEG of encoded 8-bit RGB triples, rows from the top. @throws regulus::Error (Failed) naming `name`
 std::string encode_rgb8(Format format, uint32_t width, uint32_t height, const std::vector<uint8_t>& rgb,

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "image/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "image/flip_picture.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"

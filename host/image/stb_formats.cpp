@@ -8,8 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
-#include "image/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"
 
@@ -63,13 +63,14 @@ std::string encode_rgb8(const Format format, const uint32_t width, const uint32_
   return bytes;
 }
 
-std::string encode_tone_mapped(const Format format, const Image& image, const float exposure_ev,
+std::string encode_tone_mapped(const Format format, const Image& image, const Encoding& encoding,
                                const std::string_view name) {
-  const float scale = std::exp2(exposure_ev);
+  const float scale = std::exp2(encoding.exposure_ev);
   std::vector<uint8_t> bytes(image.rgb.size());
   for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
-    const auto color = tone_map({scale * image.rgb[i], scale * image.rgb[i + 1], scale * image.rgb[i + 2]});
-    for (size_t c = 0; c < 3; ++c) bytes[i + c] = to_byte(srgb_encode(color[c]));
+    const auto color =
+        display(encoding.view, {scale * image.rgb[i], scale * image.rgb[i + 1], scale * image.rgb[i + 2]});
+    for (size_t c = 0; c < 3; ++c) bytes[i + c] = to_byte(color[c]);
   }
   return encode_rgb8(format, image.width, image.height, bytes, name);
 }

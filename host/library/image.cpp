@@ -1,6 +1,6 @@
 #include "regulus/image.hpp"
 
-#include "image/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"
 
@@ -28,9 +28,9 @@ void write_picture(const std::filesystem::path& path, const Picture& picture, fl
   const Format format =
       image::require_format("picture", path, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
   const image::Placement placement{picture.x, picture.y, picture.film_width, picture.film_height};
-  image::write_file_atomically(
-      path, image::encode_picture(format, image_of(picture), exposure_ev, picture.attributes,
-                                  picture.channels, placement, path.string()));
+  write_file_atomically(path,
+                        image::encode_picture(format, image_of(picture), exposure_ev, picture.attributes,
+                                              picture.channels, placement, path.string()));
 }
 
 Comparison compare(const Picture& picture, const Picture& reference) {

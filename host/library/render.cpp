@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "image/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "library/impl.hpp"
 #include "regulus/error.hpp"
 #include "render/names.hpp"
@@ -175,7 +175,7 @@ void Renderer::write_part(const std::filesystem::path& path) const {
         fmt::format("{}: only what a device has rendered, with the whole film in its buffers, is a part",
                     path.string()));
   const render::Plan& plan = impl_->plan.impl().plan;
-  image::write_file_atomically(
+  write_file_atomically(
       path, session::encode_part(path, result.renderer->film(), {{plan.first_sample, plan.samples}},
                                  result.attributes, result.channels, result.placement));
 }
@@ -189,7 +189,7 @@ void merge_parts(const std::vector<std::filesystem::path>& parts, const std::fil
   const Format format =
       image::require_format("output", output, {Format::Exr, Format::Png, Format::Jpeg, Format::Hdr});
   if (parts.empty()) throw Error(ErrorCode::BadUsage, "there are no parts to merge; name at least one");
-  image::write_file_atomically(output, encode(session::merge_parts(parts), format, output));
+  write_file_atomically(output, encode(session::merge_parts(parts), format, output));
 }
 
 }  // namespace regulus

@@ -11,6 +11,7 @@
 
 #include "base/printable.hpp"
 #include "scene/compression.hpp"
+#include "scene/edits.hpp"
 #include "scene/schema.hpp"
 #include "scene/specular_glossiness.hpp"
 
@@ -304,7 +305,7 @@ std::span<const unsigned char> Document::view(int buffer_view, const std::string
 }
 
 Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict,
-                       uint64_t memory_bytes) {
+                       uint64_t memory_bytes, const std::vector<std::string>& edits) {
   Document document(Files(path, allow_external, memory_bytes));
   document.is_strict = is_strict;
   document.storage.push_back(document.files.read_scene());
@@ -314,6 +315,7 @@ Document open_document(const std::filesystem::path& path, bool allow_external, b
 
   document.json = parse_json(container.json, document);
   check_asset(document.json, path);
+  document.edits = apply_edits(document.json, edits);
   check_extensions(document);
   json reduced = document.json;
   mend_broken(document, check_and_reduce(reduced, path));

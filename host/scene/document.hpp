@@ -36,8 +36,9 @@ struct Document {
   std::map<size_t, std::span<const unsigned char>> decoded_accessors;
   std::map<std::pair<std::string, size_t>, std::string> broken;  ///< by array and index: why
   std::vector<std::string> warnings;
-  uint64_t unsaid_warnings = 0;  ///< beyond MAX_WARNINGS
-  std::string first_loss;        ///< why the first primitive that is left out is
+  std::vector<std::string> edits;  ///< what apply_edits did
+  uint64_t unsaid_warnings = 0;    ///< beyond MAX_WARNINGS
+  std::string first_loss;          ///< why the first primitive that is left out is
 
   /// The names in extensionsUsed.
   std::vector<std::string> extensions_used() const;
@@ -79,9 +80,11 @@ inline constexpr size_t MAX_WARNINGS = 100;
 
 /// Opens a .gltf or .glb file and everything its buffers refer to.
 /// @param is_strict see Document
+/// @param edits see apply_edits; the rules for files hold for what they say, too
 /// @throws Error(BadFile)
 Document open_document(const std::filesystem::path& path, bool allow_external, bool is_strict,
-                       uint64_t memory_bytes = default_memory_bytes());
+                       uint64_t memory_bytes = default_memory_bytes(),
+                       const std::vector<std::string>& edits = {});
 
 /// Makes the model of what has been written into Document::checked since it was opened. Accessors, and which
 /// of them and which materials primitives have, stay as they are.

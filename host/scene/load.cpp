@@ -170,6 +170,12 @@ std::string describe(const LoadOptions& options, const std::optional<AskedPose>&
   return text;
 }
 
+std::string describe_edits(const std::vector<std::string>& edits) {
+  std::string text;
+  for (const std::string& edit : edits) text += fmt::format("edit {} ", edit);
+  return text;
+}
+
 /// Why a scene without a triangle has none, and what to do. `extent` is that of its meshes.
 std::string cause_of_emptiness(const Document& document, const std::optional<size_t>& scene_index,
                                const std::vector<PlacedNode>& nodes, double extent) {
@@ -221,7 +227,8 @@ struct SceneFile::Impl {
       : path(std::move(file)),
         options(load_options),
         document(open_document(path, options.allow_external, options.is_strict,
-                               options.memory_bytes != 0 ? options.memory_bytes : default_memory_bytes())),
+                               options.memory_bytes != 0 ? options.memory_bytes : default_memory_bytes(),
+                               options.edits)),
         scene_index(choose_scene(document, options.scene)),
         pose(asked_pose(document, scene_index, options)) {
     const std::string variant = asked_variant(document, scene_index, options);
@@ -288,10 +295,11 @@ struct SceneFile::Impl {
   /// What the scene was made of.
   void label(Scene& scene) {
     if (pose) scene.pose = ScenePose{animation_name(document, pose->animation), pose->seconds};
+    scene.edits = document.edits;
     scene.warnings = document.warnings;
     if (document.unsaid_warnings > 0)
       scene.warnings.push_back(fmt::format("{} more warnings are left out", document.unsaid_warnings));
-    scene.hash = document.files.hash_with(describe(options, pose));
+    scene.hash = document.files.hash_with(describe(options, pose) + describe_edits(document.edits));
   }
 };
 

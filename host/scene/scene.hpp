@@ -109,6 +109,7 @@ struct Scene {
   std::optional<ScenePose> pose;                ///< none: as the file has it
   std::optional<glm::uvec2> resolution;         ///< asset.extras.resolution
   std::map<std::string, std::string> settings;  ///< scenes[].extras.regulus: option name -> value
+  std::vector<std::string> edits;               ///< what LoadOptions::edits came to, one property each
   std::vector<std::string> warnings;            ///< one line each
   Inventory inventory;
   uint64_t hash = 0;  ///< of the file's bytes, everything it refers to, and the LoadOptions that change it
@@ -138,7 +139,8 @@ struct LoadOptions {
   /// Animation that poses the scene, by name or index; empty: what scenes[].extras.regulus says, else the
   /// first one if a time is given, else none.
   std::string animation{};
-  std::optional<double> time{};  ///< s, of the animation; none: what scenes[].extras.regulus says, else 0
+  std::optional<double> time{};      ///< s, of the animation; none: what scenes[].extras.regulus says, else 0
+  std::vector<std::string> edits{};  ///< such as "materials.Glass.roughness=0.1", see apply_edits
 };
 
 /// A scene file that stays open: its scene can be had at many times of an animation.

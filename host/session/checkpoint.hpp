@@ -11,7 +11,7 @@
 
 namespace regulus::session {
 
-/// Writes the state of a render when it is due. The file changes as a whole (image::write_file_atomically),
+/// Writes the state of a render when it is due. The file changes as a whole (write_file_atomically),
 /// so a process may be killed at any time. A state that cannot be written is a warning: the render goes on,
 /// and the next state is tried when it is due.
 class Checkpoint {

@@ -101,6 +101,7 @@ nlohmann::json scene_json(const PreparedScene& prepared) {
   return {{"file", scene.path.string()},
           {"animation", scene.pose ? nlohmann::json(scene.pose->animation) : nlohmann::json()},
           {"animation_seconds", scene.pose ? nlohmann::json(scene.pose->seconds) : nlohmann::json()},
+          {"edits", scene.edits},
           {"hash", fmt::format("{:016x}", scene.hash)},
           {"origin", {scene.origin.x, scene.origin.y, scene.origin.z}},
           {"triangles", scene::placed_triangle_count(scene)},
@@ -218,6 +219,7 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Plan
     dropped.push_back(fmt::format("{}: {}", entry.what, entry.why));
   attributes["regulus:dropped"] = fmt::format("{}", fmt::join(dropped, "; "));
   attributes["regulus:scene"] = scene.path.string();
+  if (!scene.edits.empty()) attributes["regulus:edits"] = fmt::format("{}", fmt::join(scene.edits, " "));
   if (scene.pose) {
     attributes["regulus:animation"] = scene.pose->animation;
     attributes["regulus:animation_seconds"] = fmt::format("{}", scene.pose->seconds);

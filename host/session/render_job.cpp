@@ -6,8 +6,8 @@
 #include <chrono>
 #include <new>
 
+#include "base/atomic_file.hpp"
 #include "check/reference_render.hpp"
-#include "image/atomic_file.hpp"
 #include "render/aov.hpp"
 #include "render/host_rays.hpp"
 #include "render/names.hpp"
@@ -176,9 +176,9 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
   Checkpoint checkpoint(
       job.checkpoint, job.checkpoint_seconds,
       [&](const render::Film& film) {
-        image::write_file_atomically(job.checkpoint,
-                                     encode_part(job.checkpoint, film, {{plan.first_sample, plan.samples}},
-                                                 attributes(), {}, placement_of(plan)));
+        write_file_atomically(job.checkpoint,
+                              encode_part(job.checkpoint, film, {{plan.first_sample, plan.samples}},
+                                          attributes(), {}, placement_of(plan)));
       },
       [&](const std::string& text) { watcher.warn(text); });
   const uint64_t pixels = plan.window().pixels();
@@ -232,11 +232,11 @@ Result render(const PreparedScene& prepared, const render::Plan& plan, const Job
 }
 
 std::string encode(const Result& result, const render::Plan& plan, const Job& job, image::Format format,
-                   float exposure_ev, const std::filesystem::path& path) {
+                   const image::Encoding& encoding, const std::filesystem::path& path) {
   if (job.holds_sums)
     return encode_part(path, result.renderer->film(), {{plan.first_sample, plan.samples}}, result.attributes,
                        result.channels, result.placement);
-  return image::encode_picture(format, result.image, exposure_ev, result.attributes, result.channels,
+  return image::encode_picture(format, result.image, encoding, result.attributes, result.channels,
                                result.placement, path.string());
 }
 

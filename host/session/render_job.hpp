@@ -96,6 +96,6 @@ Result render(const PreparedScene& prepared, const render::Plan& plan, const Job
 /// The bytes of a file of what came out; with the sums if `job.holds_sums`. Errors name `path`.
 /// @throws regulus::Error (Failed)
 std::string encode(const Result& result, const render::Plan& plan, const Job& job, image::Format format,
-                   float exposure_ev, const std::filesystem::path& path);
+                   const image::Encoding& encoding, const std::filesystem::path& path);
 
 }  // namespace regulus::session

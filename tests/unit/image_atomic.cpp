@@ -5,13 +5,11 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 
-#include "image/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 #include "image_files.hpp"
 
 namespace regulus::test {
 namespace {
-
-using image::write_file_atomically;
 
 TEST(AtomicFile, ReplacesAFileAndFollowsALink) {
   const TemporaryFolder folder;
@@ -78,7 +76,7 @@ TEST(AtomicFile, WhatKilledProcessesLeftIsRemovedAndNothingElse) {
   write_bytes(folder / ".file.4712-3.tmp", "of a process that still writes it");
   const int held = ::open((folder / ".file.4712-3.tmp").c_str(), O_RDONLY);
   ASSERT_EQ(::flock(held, LOCK_EX), 0);
-  image::require_writable(folder / "file");
+  require_writable(folder / "file");
   EXPECT_FALSE(std::filesystem::exists(folder / ".file.4711-0.tmp"));
   EXPECT_EQ(folder.file_count(), others.size() + 1);
   ::close(held);
@@ -90,23 +88,23 @@ TEST(AtomicFile, WhatKilledProcessesLeftIsRemovedAndNothingElse) {
 TEST(AtomicFile, PlacesAreTriedWithoutATrace) {
   const TemporaryFolder folder;
   write_bytes(folder / "file", "old");
-  image::require_writable(folder / "file");
-  image::require_writable(folder / "new");
+  require_writable(folder / "file");
+  require_writable(folder / "new");
   EXPECT_EQ(folder.file_count(), 1u);
   EXPECT_EQ(read_bytes(folder / "file"), "old");
   for (const std::string& place : {std::string("file/x"), std::string("none/x"), std::string(300, 'n')})
-    expect_error([&] { image::require_writable(folder / place); }, ErrorCode::Failed, "cannot be written");
-  expect_error([&] { image::require_writable(folder.path()); }, ErrorCode::Failed, "Is a directory");
-  expect_error([&] { image::require_writable(""); }, ErrorCode::Failed, "cannot be written");
-  image::require_writable("/dev/null");
+    expect_error([&] { require_writable(folder / place); }, ErrorCode::Failed, "cannot be written");
+  expect_error([&] { require_writable(folder.path()); }, ErrorCode::Failed, "Is a directory");
+  expect_error([&] { require_writable(""); }, ErrorCode::Failed, "cannot be written");
+  require_writable("/dev/null");
 }
 
 TEST(AtomicFile, WhatCannotBeWrittenFindsARoomElsewhere) {
   const TemporaryFolder folder;
   ::setenv("TMPDIR", folder.path().c_str(), 1);
-  const std::filesystem::path place = image::write_to_temporary_folder("/nowhere/picture.exr", "bytes");
+  const std::filesystem::path place = write_to_temporary_folder("/nowhere/picture.exr", "bytes");
   ::setenv("TMPDIR", (folder / "none").c_str(), 1);
-  EXPECT_EQ(image::write_to_temporary_folder("/nowhere/picture.exr", "bytes"), "");
+  EXPECT_EQ(write_to_temporary_folder("/nowhere/picture.exr", "bytes"), "");
   ::unsetenv("TMPDIR");
   EXPECT_EQ(place.parent_path(), folder.path());
   EXPECT_TRUE(place.filename().string().ends_with("-picture.exr")) << place;

@@ -5,7 +5,7 @@
 
 #include <string_view>
 
-namespace regulus::cli {
+namespace regulus {
 
 /// Call first. Fills those of the descriptors 0 to 2 that are closed, so that no file that is opened later
 /// gets the number that messages go to; writing to them still fails. Makes a reader that went away, and a
@@ -31,4 +31,4 @@ void finish_stdout();
 /// stdout is not what this command is for: finish_stdout() has no complaint.
 void forgive_stdout();
 
-}  // namespace regulus::cli
+}  // namespace regulus

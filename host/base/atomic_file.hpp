@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace regulus::image {
+namespace regulus {
 
 /// Replaces the file at `path` by `bytes`: writes a temporary file in the same folder, flushes it to the
 /// disk and renames it. Symbolic links are followed, also those to nothing yet; a device or pipe is written
@@ -29,4 +29,4 @@ std::filesystem::path follow_links(const std::filesystem::path& path);
 /// Something at `path` that is neither a regular file nor a folder, such as /dev/null or a pipe.
 bool is_device_or_pipe(const std::filesystem::path& path);
 
-}  // namespace regulus::image
+}  // namespace regulus

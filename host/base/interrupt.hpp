@@ -2,7 +2,7 @@
 // has.
 #pragma once
 
-namespace regulus::cli {
+namespace regulus {
 
 /// Installs handlers for SIGINT, SIGTERM, SIGHUP (unless it is ignored, as under nohup) and SIGXCPU. The
 /// first signal sets the flag; a second SIGINT, or a second SIGTERM, ends the process.
@@ -11,4 +11,4 @@ void catch_interrupts();
 /// True once a signal has arrived.
 bool is_interrupted();
 
-}  // namespace regulus::cli
+}  // namespace regulus

@@ -1,4 +1,4 @@
-#include "cli/standard_streams.hpp"
+#include "base/standard_streams.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 
-namespace regulus::cli {
+namespace regulus {
 
 namespace {
 
@@ -54,4 +54,4 @@ void forgive_stdout() {
   is_forgiven = true;
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus

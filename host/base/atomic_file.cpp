@@ -1,7 +1,7 @@
 // POSIX implementation: open, write, fsync and rename, because iostreams report neither a full disk nor
 // its reason reliably. A temporary file is locked for as long as its process needs it (flock), so that one
 // without a lock is known to be left over, whatever machine or container it was made on.
-#include "image/atomic_file.hpp"
+#include "base/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,7 +16,7 @@
 
 #include "base/error.hpp"
 
-namespace regulus::image {
+namespace regulus {
 namespace {
 
 namespace fs = std::filesystem;
@@ -210,4 +210,4 @@ fs::path write_to_temporary_folder(const fs::path& path, const std::string_view 
   return {};
 }
 
-}  // namespace regulus::image
+}  // namespace regulus

@@ -1,9 +1,9 @@
-#include "cli/interrupt.hpp"
+#include "base/interrupt.hpp"
 
 #include <csignal>
 #include <ctime>
 
-namespace regulus::cli {
+namespace regulus {
 
 namespace {
 
@@ -52,4 +52,4 @@ bool is_interrupted() {
   return interrupted != 0;
 }
 
-}  // namespace regulus::cli
+}  // namespace regulus
