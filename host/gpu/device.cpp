@@ -84,6 +84,7 @@ Faults& faults() {
 
 DeviceState::DeviceState(const DeviceOptions& options)
     : instance(Instance::open()), chosen(choose(instance.get(), options.select)) {
+  chosen.info.max_groups = std::min(chosen.info.max_groups, faults().most_groups.value_or(UINT32_MAX));
   has_memory_budget = has_extension(chosen.physical, VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
   const bool is_wanted = options.software_stage_times || info().kind != DeviceKind::Software;
   measures_time = is_wanted && info().timestamp_ns > 0;

@@ -18,6 +18,9 @@ struct Faults {
   /// Once this many more allocations or submissions were made, the next ones fail as above. Unset: never.
   std::optional<uint32_t> allocations_before_failure, submissions_before_loss;
 
+  /// Devices that are opened claim to run no more groups in a dispatch. Unset: what they do run.
+  std::optional<uint32_t> most_groups;
+
   /// True if the next wait is to find the device lost.
   bool loses_device_at_wait() const { return lost_at_wait || downloads_before_loss == 0u; }
 

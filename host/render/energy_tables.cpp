@@ -129,7 +129,7 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
   gpu::Buffer tables = device.create_buffer(count * sizeof(float), "energy tables");
   const gpu::Kernel kernel =
       device.create_kernel({"energy_tables",
-                            stage_spirv(device, "energy_tables"),
+                            stage_spirv(device, Stage::EnergyTables),
                             {{SPEC_NDF, settings.ndf}, {SPEC_SHADOWING, settings.shadowing}}});
   // One submission each: together they might take too long for a watchdog.
   const auto fill = [&](size_t first, uint32_t quantity, float ior) {

@@ -73,45 +73,45 @@ HostRays::HostRays(const PreparedScene& prepared, const Plan& plan, const Wavefr
     : query_(prepared),
       buffers_(buffers),
       statistics_(statistics),
-      has_escapes_((plan.features.bits & FEATURE_ENVIRONMENT) != 0 && (plan.techniques & TECHNIQUE_HIT) != 0),
-      capacity_(buffers.frame_.wave_capacity) {}
+      has_escapes_(plan.keeps(STATE_ESCAPES)),
+      capacity_(buffers.frame().wave_capacity) {}
 
 bool HostRays::traces(const StageStep& step) {
-  const std::string_view shader = step.shader;
-  return shader == "trace_closest" || shader == "trace_visibility" || shader == "trace_splats";
+  return step.stage == Stage::TraceClosest || step.stage == Stage::TraceVisibility ||
+         step.stage == Stage::TraceSplats;
 }
 
 bool HostRays::needs_kernel(const StageStep& step) {
-  return std::string_view(step.shader) != "trace_closest";
+  return step.stage != Stage::TraceClosest;
 }
 
 void HostRays::trace(const StageStep& step, uint32_t bounce) {
   const auto begin = std::chrono::steady_clock::now();
   const uint32_t count = heads_of(bounce)[step.queue].count;
-  if (step.queue == QUEUE_RAYS)
+  if (step.queue == Queue::Rays)
     trace_closest(step.pass, bounce);
-  else if (step.queue == QUEUE_VISIBILITY)
-    trace_segments<VisibilityCandidate>(buffers_.candidates_, count);
+  else if (step.queue == Queue::Visibility)
+    trace_segments<VisibilityCandidate>(buffers_.candidates, count);
   else
-    trace_segments<SplatCandidate>(buffers_.splats_, count);
+    trace_segments<SplatCandidate>(buffers_.splats, count);
   const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - begin;
   StageStatistics& stage = statistics_.stages[step.name];
   stage.host_ms += took.count();
   if (!needs_kernel(step)) ++stage.dispatches;
 }
 
-QueueHead* HostRays::heads_of(uint32_t bounce) const {
-  return contents<QueueHead>(buffers_.queue_heads) + uint64_t{bounce} * QUEUES_PER_BOUNCE;
+QueueHeads& HostRays::heads_of(uint32_t bounce) const {
+  return contents<QueueHeads>(buffers_.queue_heads)[bounce];
 }
 
 // What shaders/stages/trace_closest.comp does.
 void HostRays::trace_closest(Pass pass, uint32_t bounce) {
-  QueueHead* heads = heads_of(bounce);
-  const uint32_t* queue = contents<uint32_t>(buffers_.ray_queues_) + uint64_t{bounce & 1} * capacity_;
-  const Path* paths = contents<Path>(buffers_.paths_);
-  Hit* hits = contents<Hit>(buffers_.hits_);
+  QueueHeads& heads = heads_of(bounce);
+  const uint32_t* queue = contents<uint32_t>(buffers_.ray_queues) + uint64_t{bounce & 1} * capacity_;
+  const Path* paths = contents<Path>(buffers_.paths);
+  Hit* hits = contents<Hit>(buffers_.hits);
   const bool has_escapes = has_escapes_ && pass == Pass::Camera;
-  workers_.run(heads[QUEUE_RAYS].count, RAYS_AT_ONCE, [&](uint32_t begin, uint32_t end) {
+  workers_.run(heads[Queue::Rays].count, RAYS_AT_ONCE, [&](uint32_t begin, uint32_t end) {
     std::array<Slots, MATERIAL_CLASS_COUNT> met;
     Slots escaped;
     for (uint32_t i = begin; i < end; ++i) {
@@ -126,12 +126,12 @@ void HostRays::trace_closest(Pass pass, uint32_t bounce) {
       met[tag & 0xFF].add(slot);
     }
     for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c)
-      met[c].append_to(heads[QUEUE_BOUNCE + c],
-                       contents<uint32_t>(buffers_.bounce_queues_) + uint64_t{c} * capacity_);
-    if (has_escapes) escaped.append_to(heads[QUEUE_ESCAPED], contents<uint32_t>(buffers_.escaped_));
+      met[c].append_to(heads[bounce_queue(c)],
+                       contents<uint32_t>(buffers_.bounce_queues) + uint64_t{c} * capacity_);
+    if (has_escapes) escaped.append_to(heads[Queue::Escaped], contents<uint32_t>(buffers_.escaped));
   });
-  for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c) set_groups(heads[QUEUE_BOUNCE + c]);
-  set_groups(heads[QUEUE_ESCAPED]);
+  for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c) set_groups(heads[bounce_queue(c)]);
+  set_groups(heads[Queue::Escaped]);
 }
 
 template <typename Candidate>

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
@@ -44,7 +43,7 @@ class HostRays {
   void trace_closest(Pass pass, uint32_t bounce);
   template <typename Candidate>
   void trace_segments(const gpu::Buffer& candidates, uint32_t count);
-  interface::QueueHead* heads_of(uint32_t bounce) const;
+  QueueHeads& heads_of(uint32_t bounce) const;
 
   rays::SceneQuery query_;
   const WavefrontBuffers& buffers_;

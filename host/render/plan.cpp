@@ -9,6 +9,7 @@
 
 #include "reference/merge_radius.hpp"
 #include "render/names.hpp"
+#include "render/state.hpp"
 #include "render/technique_choice.hpp"
 
 namespace regulus::render {
@@ -104,26 +105,17 @@ bool has(const Plan& plan, uint32_t techniques) {
   return (plan.techniques & techniques) != 0;
 }
 
-LightVertexPlan plan_light_vertices(const Plan& plan) {
-  LightVertexPlan result;
-  result.has_vertices = has(plan, TECHNIQUE_CONNECT | TECHNIQUE_MERGE);
-  result.has_merges = has(plan, TECHNIQUE_MERGE);
-  const bool has_diffusion = (plan.regularization & REGULARIZATION_DIFFUSION) != 0;
-  result.has_sharp = has_diffusion && has(plan, LIGHT_SUBPATH_TECHNIQUES);
-  result.has_footprints =
-      (has_diffusion && !has(plan, LIGHT_SUBPATH_TECHNIQUES)) || (plan.aovs & AOV_SIGMA) != 0;
-  constexpr uint32_t HIT_AND_NEE = TECHNIQUE_HIT | TECHNIQUE_NEE;
-  result.has_receivers =
-      plan.light_sampling == LIGHT_SAMPLING_BVH && (plan.techniques & HIT_AND_NEE) == HIT_AND_NEE;
-  result.has_media = (plan.features.bits & FEATURE_CONTACTS) != 0;
+// What follows from the choices.
+void plan_waves(Plan& plan) {
+  plan.connections_per_vertex = !has(plan, TECHNIQUE_CONNECT) ? 0
+                                : plan.cache_connections != 0
+                                    ? plan.cache_connections
+                                    : static_cast<uint32_t>(vertices_per_path(plan));
+  plan.state = choose_state(plan);
   const bool is_paired = plan.light_paths == uint64_t{plan.width} * plan.height;
-  result.has_histories =
-      plan.regularization != REGULARIZATION_NONE &&
-      (plan.sampler_quality != SAMPLER_QUALITY_OFF || (plan.regularization & REGULARIZATION_BOTH) != 0);
-  result.is_per_wave = !has(plan, LIGHT_SUBPATH_TECHNIQUES) ||
-                       (is_paired && !result.has_merges && plan.crop.pixels() == 0 &&
-                        !(has(plan, TECHNIQUE_CONNECT) && plan.cache_connections != 0));
-  return result;
+  const bool draws_from_all = plan.keeps(STATE_MERGES | STATE_CACHE);
+  plan.is_per_wave =
+      !has(plan, LIGHT_SUBPATH_TECHNIQUES) || (is_paired && !draws_from_all && plan.crop.pixels() == 0);
 }
 
 }  // namespace
@@ -146,13 +138,13 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
                                                  : LIGHT_SAMPLING_POWER;
   plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
   plan_merge_radius(plan, prepared);
-  plan.light_vertices = plan_light_vertices(plan);
+  plan_waves(plan);
   return plan;
 }
 
 Plan plan_for_window(Plan plan, const Window& window) {
   plan.crop = plan.asked.crop = window;
-  plan.light_vertices = plan_light_vertices(plan);
+  plan_waves(plan);
   return plan;
 }
 

@@ -23,20 +23,6 @@ struct Dropped {
   std::string why;
 };
 
-/// Where a renderer gets light vertices from: each wave has its own (`is_per_wave`), or all light paths of an
-/// iteration are walked before its camera paths (always for a crop, which all light paths concern). And which
-/// arrays paths and vertices need.
-struct LightVertexPlan {
-  bool is_per_wave = true;
-  bool has_vertices = false;  ///< connections or merges are enabled
-  bool has_merges = false;
-  bool has_histories = false;   ///< sampler quality or both: a PathHistory beside each path and vertex
-  bool has_footprints = false;  ///< path diffusion without light subpaths, or its AOV: one beside each path
-  bool has_receivers = false;   ///< `hit` weighs against lights that `nee` chooses by the tree
-  bool has_sharp = false;       ///< regularized: accumulators for both levels of path diffusion
-  bool has_media = false;       ///< FEATURE_CONTACTS: the solids around each path and vertex
-};
-
 /// A render of a scene with every choice made. Made by make_plan() alone.
 struct Plan : CommonSettings {
   uint32_t techniques = 0;                                    ///< those that can contribute
@@ -46,11 +32,18 @@ struct Plan : CommonSettings {
   float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged
   std::string merge_radius_rule;  ///< in words, where it comes from
   uint32_t regularization = interface::REGULARIZATION_NONE;
-  LightVertexPlan light_vertices;
+  /// Each wave has its own light vertices, or all light paths of an iteration are walked before its camera
+  /// paths (always for a crop, which all light paths concern).
+  bool is_per_wave = true;
+  uint32_t connections_per_vertex = 0;       ///< light vertices that a camera vertex connects to, at most
+  uint32_t state = interface::STATE_ALWAYS;  ///< STATE_*: what is kept beside paths (render/state.hpp)
   scene::Features features;
   RenderSettings asked;
   std::vector<Dropped> dropped;
   std::vector<std::string> warnings;  ///< what was changed rather than dropped, one line each
+
+  /// Whether one of these STATE_* is kept.
+  bool keeps(uint32_t bits) const { return (state & bits) != 0; }
 
   /// The reason why `what` was dropped; nullptr if it was not.
   const std::string* why_dropped(std::string_view what) const;

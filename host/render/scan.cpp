@@ -1,5 +1,6 @@
 #include "render/scan.hpp"
 
+#include <algorithm>
 #include <vector>
 
 #include "interface/wavefront.h"
@@ -28,8 +29,9 @@ std::vector<Level> levels_of(uint32_t count) {
 }  // namespace
 
 Scan::Scan(gpu::Device& device)
-    : sums_(device.create_kernel({"scan_sums", stage_spirv(device, "scan_sums"), {}})),
-      spread_(device.create_kernel({"scan_spread", stage_spirv(device, "scan_spread"), {}})) {}
+    : sums_(device.create_kernel({"scan_sums", stage_spirv(device, Stage::ScanSums), {}})),
+      spread_(device.create_kernel({"scan_spread", stage_spirv(device, Stage::ScanSpread), {}})),
+      most_groups_(device.info().max_groups) {}
 
 uint64_t Scan::words_needed(uint64_t count) {
   const Level top = levels_of(static_cast<uint32_t>(count)).back();
@@ -38,10 +40,18 @@ uint64_t Scan::words_needed(uint64_t count) {
 
 void Scan::record(gpu::CommandList& commands, const gpu::Buffer& words, uint32_t count) const {
   const std::vector<Level> levels = levels_of(count);
+  // In as many dispatches as the device's limit asks for.
   const auto dispatch = [&](const gpu::Kernel& kernel, const Level& level, uint32_t sums) {
-    const ScanArguments arguments{device_address(words.address()), level.first, level.count, sums};
-    const uint32_t per_group = WORKGROUP_SIZE * SCAN_FAN;
-    commands.dispatch(kernel, gpu::bytes_of(arguments), (level.count + per_group - 1) / per_group);
+    constexpr uint32_t PER_GROUP = WORKGROUP_SIZE * SCAN_FAN;
+    const uint64_t most = most_groups_ * PER_GROUP;
+    for (uint64_t done = 0; done < level.count; done += most) {
+      const auto first = static_cast<uint32_t>(done);
+      const auto here = static_cast<uint32_t>(std::min(most, level.count - done));
+      const ScanArguments arguments{device_address(words.address()), level.first + first, here,
+                                    sums == INVALID_INDEX ? sums : sums + first / SCAN_FAN};
+      if (done > 0) commands.independent();
+      commands.dispatch(kernel, gpu::bytes_of(arguments), (here + PER_GROUP - 1) / PER_GROUP);
+    }
   };
   for (size_t i = 0; i + 1 < levels.size(); ++i) dispatch(sums_, levels[i], levels[i + 1].first);
   dispatch(spread_, levels.back(), INVALID_INDEX);

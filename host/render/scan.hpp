@@ -1,6 +1,8 @@
 // Exclusive prefix sums on the device.
 #pragma once
 
+#include <cstdint>
+
 #include "gpu/gpu.hpp"
 
 namespace regulus::render {
@@ -18,6 +20,7 @@ class Scan {
 
  private:
   gpu::Kernel sums_, spread_;
+  uint64_t most_groups_;  // of a dispatch
 };
 
 }  // namespace regulus::render

@@ -1,4 +1,4 @@
-// The embedded SPIR-V of the stages.
+// The kernels of a render and their embedded SPIR-V.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,38 @@ std::span<const uint32_t> spirv(std::string_view name);
 
 namespace regulus::render {
 
+/// A kernel: a file of shaders/stages.
+enum class Stage {
+  Accumulate,
+  CameraBounce,
+  CameraGenerate,
+  Connect,
+  CountWork,
+  EnergyTables,
+  Escape,
+  GridCount,
+  GridScatter,
+  LightBounce,
+  LightGenerate,
+  LightPathCounts,
+  Merge,
+  MergeCount,
+  ScanSpread,
+  ScanSums,
+  SquareSamples,
+  StartMedia,
+  SurfaceAovs,
+  SurfaceFootprints,
+  TraceClosest,
+  TraceSplats,
+  TraceVisibility,
+};
+inline constexpr size_t STAGE_COUNT = static_cast<size_t>(Stage::TraceVisibility) + 1;
+
+/// Its file, without extension.
+std::string_view file_of(Stage stage);
+
 /// The variant of a stage that fits the device: with 64-bit integers where it has them.
-std::span<const uint32_t> stage_spirv(const gpu::Device& device, std::string_view stage);
+std::span<const uint32_t> stage_spirv(const gpu::Device& device, Stage stage);
 
 }  // namespace regulus::render

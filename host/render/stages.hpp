@@ -9,6 +9,8 @@
 
 #include "gpu/gpu.hpp"
 #include "render/plan.hpp"
+#include "render/queues.hpp"
+#include "render/shaders.hpp"
 
 namespace regulus::render {
 
@@ -35,28 +37,17 @@ enum class Extent {
   Scan,           ///< a scan of what the stage before it wrote (render/scan.hpp)
 };
 
-/// When a step is needed at all, beside its technique.
-enum class Needs {
-  Nothing,
-  CacheConnections,
-  Environment,
-  Variance,
-  SurfaceAovs,
-  SurfaceFootprints,
-  VaryingMedia
-};
-
-/// One line of STAGES. Steps that follow each other with the same shader work on different items of the same
+/// One line of STAGES. Steps of the same stage that follow each other work on different items of the same
 /// queues and need no order between them.
 struct StageStep {
   Pass pass;
-  const char* shader;  ///< file name in shaders/stages
-  const char* name;    ///< in timings and statistics
+  Stage stage;
+  const char* name;  ///< in timings and statistics
   Extent extent;
-  uint32_t queue;           ///< QUEUE_*, for Extent::Bounce
+  Queue queue;              ///< for Extent::Bounce
   uint32_t material_class;  ///< MATERIAL_CLASS_*; ANY_CLASS: the stage does not depend on it
   uint32_t techniques;      ///< runs only if one of these TECHNIQUE_* is enabled; ANY_TECHNIQUE: whatever is
-  Needs needs = Needs::Nothing;
+  uint32_t state = interface::STATE_ALWAYS;  ///< and only if one of these STATE_* is kept
 };
 
 inline constexpr uint32_t ANY_CLASS = interface::INVALID_INDEX;
@@ -71,46 +62,46 @@ inline constexpr uint32_t DIFFUSE = MATERIAL_CLASS_DIFFUSE, OPAQUE = MATERIAL_CL
 
 // clang-format off
 inline constexpr std::array STAGES = {
-    StageStep{Pass::Light,  "light_generate",    "light_generate",              Extent::WaveStart,     0,                           ANY_CLASS,    LIGHT},
-    StageStep{Pass::Light,  "start_media",       "light.start_media",           Extent::WaveStart,     0,                           ANY_CLASS,    LIGHT,             Needs::VaryingMedia},
-    StageStep{Pass::Light,  "trace_closest",     "light.trace_closest",         Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    LIGHT},
-    StageStep{Pass::Light,  "light_bounce",      "light_bounce.diffuse",        Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      LIGHT},
-    StageStep{Pass::Light,  "light_bounce",      "light_bounce.opaque",         Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       LIGHT},
-    StageStep{Pass::Light,  "light_bounce",      "light_bounce.transmissive",   Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, LIGHT},
-    StageStep{Pass::Light,  "trace_splats",      "trace_splats",                Extent::Bounce,        QUEUE_SPLATS,                ANY_CLASS,    TECHNIQUE_SPLAT},
-    StageStep{Pass::Light,  "count_work",        "light.count_work",            Extent::Once,          0,                           ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,   Stage::LightGenerate,     "light_generate",             Extent::WaveStart,     Queue::None,                ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,   Stage::StartMedia,        "light.start_media",          Extent::WaveStart,     Queue::None,                ANY_CLASS,    LIGHT,                             STATE_VARYING_STARTS},
+    StageStep{Pass::Light,   Stage::TraceClosest,      "light.trace_closest",        Extent::Bounce,        Queue::Rays,                ANY_CLASS,    LIGHT},
+    StageStep{Pass::Light,   Stage::LightBounce,       "light_bounce.diffuse",       Extent::Bounce,        bounce_queue(DIFFUSE),      DIFFUSE,      LIGHT},
+    StageStep{Pass::Light,   Stage::LightBounce,       "light_bounce.opaque",        Extent::Bounce,        bounce_queue(OPAQUE),       OPAQUE,       LIGHT},
+    StageStep{Pass::Light,   Stage::LightBounce,       "light_bounce.transmissive",  Extent::Bounce,        bounce_queue(TRANSMISSIVE), TRANSMISSIVE, LIGHT},
+    StageStep{Pass::Light,   Stage::TraceSplats,       "trace_splats",               Extent::Bounce,        Queue::Splats,              ANY_CLASS,    TECHNIQUE_SPLAT},
+    StageStep{Pass::Light,   Stage::CountWork,         "light.count_work",           Extent::Once,          Queue::None,                ANY_CLASS,    LIGHT},
 
-    StageStep{Pass::Cache,  "light_path_counts", "light_path_counts",           Extent::LightPaths,    0,                           ANY_CLASS,    TECHNIQUE_CONNECT, Needs::CacheConnections},
-    StageStep{Pass::Cache,  "scan_sums",         "scan_light_paths",            Extent::Scan,          0,                           ANY_CLASS,    TECHNIQUE_CONNECT, Needs::CacheConnections},
+    StageStep{Pass::Cache,   Stage::LightPathCounts,   "light_path_counts",          Extent::LightPaths,    Queue::None,                ANY_CLASS,    TECHNIQUE_CONNECT,                 STATE_CACHE},
+    StageStep{Pass::Cache,   Stage::ScanSums,          "scan_light_paths",           Extent::Scan,          Queue::None,                ANY_CLASS,    TECHNIQUE_CONNECT,                 STATE_CACHE},
 
-    StageStep{Pass::Grid,   "grid_count",        "grid_count",                  Extent::LightVertices, 0,                           ANY_CLASS,    TECHNIQUE_MERGE},
-    StageStep{Pass::Grid,   "scan_sums",         "scan_grid",                   Extent::Scan,          0,                           ANY_CLASS,    TECHNIQUE_MERGE},
-    StageStep{Pass::Grid,   "grid_scatter",      "grid_scatter",                Extent::LightVertices, 0,                           ANY_CLASS,    TECHNIQUE_MERGE},
+    StageStep{Pass::Grid,    Stage::GridCount,         "grid_count",                 Extent::LightVertices, Queue::None,                ANY_CLASS,    TECHNIQUE_MERGE},
+    StageStep{Pass::Grid,    Stage::ScanSums,          "scan_grid",                  Extent::Scan,          Queue::None,                ANY_CLASS,    TECHNIQUE_MERGE},
+    StageStep{Pass::Grid,    Stage::GridScatter,       "grid_scatter",               Extent::LightVertices, Queue::None,                ANY_CLASS,    TECHNIQUE_MERGE},
 
-    StageStep{Pass::Camera, "camera_generate",   "camera_generate",             Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA},
-    StageStep{Pass::Camera, "start_media",       "start_media",                 Extent::WaveStart,     0,                           ANY_CLASS,    CAMERA,            Needs::VaryingMedia},
-    StageStep{Pass::Camera, "trace_closest",     "trace_closest",               Extent::Bounce,        QUEUE_RAYS,                  ANY_CLASS,    CAMERA},
-    StageStep{Pass::Camera, "escape",            "escape",                      Extent::Bounce,        QUEUE_ESCAPED,               ANY_CLASS,    TECHNIQUE_HIT, Needs::Environment},
-    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.diffuse",       Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      CAMERA},
-    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.opaque",        Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       CAMERA},
-    StageStep{Pass::Camera, "camera_bounce",     "camera_bounce.transmissive",  Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, CAMERA},
-    StageStep{Pass::Camera, "connect",           "connect.diffuse",             Extent::Bounce,        QUEUE_PAIRS + DIFFUSE,       DIFFUSE,      TECHNIQUE_CONNECT},
-    StageStep{Pass::Camera, "connect",           "connect.opaque",              Extent::Bounce,        QUEUE_PAIRS + OPAQUE,        OPAQUE,       TECHNIQUE_CONNECT},
-    StageStep{Pass::Camera, "connect",           "connect.transmissive",        Extent::Bounce,        QUEUE_PAIRS + TRANSMISSIVE,  TRANSMISSIVE, TECHNIQUE_CONNECT},
-    StageStep{Pass::Camera, "trace_visibility",  "trace_visibility",            Extent::Bounce,        QUEUE_VISIBILITY,            ANY_CLASS,    TECHNIQUE_NEE | TECHNIQUE_CONNECT},
-    StageStep{Pass::Camera, "merge_count",       "merge_count.diffuse",         Extent::MergeCount,    QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "merge_count",       "merge_count.opaque",          Extent::MergeCount,    QUEUE_BOUNCE + OPAQUE,       OPAQUE,       TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "merge_count",       "merge_count.transmissive",    Extent::MergeCount,    QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "merge",             "merge.diffuse",               Extent::Bounce,        QUEUE_BOUNCE + DIFFUSE,      DIFFUSE,      TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "merge",             "merge.opaque",                Extent::Bounce,        QUEUE_BOUNCE + OPAQUE,       OPAQUE,       TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "merge",             "merge.transmissive",          Extent::Bounce,        QUEUE_BOUNCE + TRANSMISSIVE, TRANSMISSIVE, TECHNIQUE_MERGE},
-    StageStep{Pass::Camera, "accumulate",        "accumulate",                  Extent::WaveEnd,       0,                           ANY_CLASS,    CAMERA},
-    StageStep{Pass::Camera, "count_work",        "count_work",                  Extent::Once,          0,                           ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera,  Stage::CameraGenerate,    "camera_generate",            Extent::WaveStart,     Queue::None,                ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera,  Stage::StartMedia,        "start_media",                Extent::WaveStart,     Queue::None,                ANY_CLASS,    CAMERA,                            STATE_VARYING_STARTS},
+    StageStep{Pass::Camera,  Stage::TraceClosest,      "trace_closest",              Extent::Bounce,        Queue::Rays,                ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera,  Stage::Escape,            "escape",                     Extent::Bounce,        Queue::Escaped,             ANY_CLASS,    TECHNIQUE_HIT,                     STATE_ESCAPES},
+    StageStep{Pass::Camera,  Stage::CameraBounce,      "camera_bounce.diffuse",      Extent::Bounce,        bounce_queue(DIFFUSE),      DIFFUSE,      CAMERA},
+    StageStep{Pass::Camera,  Stage::CameraBounce,      "camera_bounce.opaque",       Extent::Bounce,        bounce_queue(OPAQUE),       OPAQUE,       CAMERA},
+    StageStep{Pass::Camera,  Stage::CameraBounce,      "camera_bounce.transmissive", Extent::Bounce,        bounce_queue(TRANSMISSIVE), TRANSMISSIVE, CAMERA},
+    StageStep{Pass::Camera,  Stage::Connect,           "connect.diffuse",            Extent::Bounce,        pair_queue(DIFFUSE),        DIFFUSE,      TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera,  Stage::Connect,           "connect.opaque",             Extent::Bounce,        pair_queue(OPAQUE),         OPAQUE,       TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera,  Stage::Connect,           "connect.transmissive",       Extent::Bounce,        pair_queue(TRANSMISSIVE),   TRANSMISSIVE, TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera,  Stage::TraceVisibility,   "trace_visibility",           Extent::Bounce,        Queue::Visibility,          ANY_CLASS,    TECHNIQUE_NEE | TECHNIQUE_CONNECT},
+    StageStep{Pass::Camera,  Stage::MergeCount,        "merge_count.diffuse",        Extent::MergeCount,    bounce_queue(DIFFUSE),      DIFFUSE,      TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::MergeCount,        "merge_count.opaque",         Extent::MergeCount,    bounce_queue(OPAQUE),       OPAQUE,       TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::MergeCount,        "merge_count.transmissive",   Extent::MergeCount,    bounce_queue(TRANSMISSIVE), TRANSMISSIVE, TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::Merge,             "merge.diffuse",              Extent::Bounce,        bounce_queue(DIFFUSE),      DIFFUSE,      TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::Merge,             "merge.opaque",               Extent::Bounce,        bounce_queue(OPAQUE),       OPAQUE,       TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::Merge,             "merge.transmissive",         Extent::Bounce,        bounce_queue(TRANSMISSIVE), TRANSMISSIVE, TECHNIQUE_MERGE},
+    StageStep{Pass::Camera,  Stage::Accumulate,        "accumulate",                 Extent::WaveEnd,       Queue::None,                ANY_CLASS,    CAMERA},
+    StageStep{Pass::Camera,  Stage::CountWork,         "count_work",                 Extent::Once,          Queue::None,                ANY_CLASS,    CAMERA},
 
-    StageStep{Pass::Sample, "square_samples",    "square_samples",              Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::Variance},
+    StageStep{Pass::Sample,  Stage::SquareSamples,     "square_samples",             Extent::Pixels,        Queue::None,                ANY_CLASS,    ANY_TECHNIQUE,                     STATE_SQUARES},
 
-    StageStep{Pass::Surface, "surface_aovs",     "surface_aovs",                Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::SurfaceAovs},
-    StageStep{Pass::Surface, "surface_footprints", "surface_footprints",        Extent::Pixels,        0,                           ANY_CLASS,    ANY_TECHNIQUE, Needs::SurfaceFootprints},
+    StageStep{Pass::Surface, Stage::SurfaceAovs,       "surface_aovs",               Extent::Pixels,        Queue::None,                ANY_CLASS,    ANY_TECHNIQUE,                     STATE_SURFACES},
+    StageStep{Pass::Surface, Stage::SurfaceFootprints, "surface_footprints",         Extent::Pixels,        Queue::None,                ANY_CLASS,    ANY_TECHNIQUE,                     STATE_SIGMA},
 };
 // clang-format on
 }  // namespace detail
@@ -135,9 +126,9 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, 
 void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry,
                        const interface::StageArguments& arguments, const gpu::Buffer& queue_heads);
 
-/// Records the step named `name`, if it was built, over `items` items from arguments.first_pixel on, which
-/// becomes the first item of each dispatch.
-void record_step(gpu::CommandList& commands, const std::vector<PipelineStep>& pipeline, std::string_view name,
-                 const interface::StageArguments& arguments, uint64_t items);
+/// Records a step over `items` items, in as many dispatches as `most_groups`, the device's limit, asks for:
+/// each begins at the item that it names by `first`, of which arguments.*first is the first of all.
+void record_items(gpu::CommandList& commands, const PipelineStep& entry, interface::StageArguments arguments,
+                  uint64_t items, uint32_t interface::StageArguments::*first, uint64_t most_groups);
 
 }  // namespace regulus::render

@@ -51,7 +51,8 @@ struct RenderStatistics {
   /// Items the stage of a step has worked on; 0 where that is not counted.
   uint64_t items(const StageStep& step) const {
     const bool is_light = step.pass == Pass::Light;
-    if (step.extent == Extent::Bounce) return (is_light ? light_items : camera_items)[step.queue];
+    if (step.extent == Extent::Bounce)
+      return (is_light ? light_items : camera_items)[static_cast<uint32_t>(step.queue)];
     const bool is_per_path = step.extent == Extent::WaveStart || step.extent == Extent::WaveEnd;
     return !is_per_path ? 0 : is_light ? light_paths : paths;
   }

@@ -29,22 +29,20 @@ uint64_t merge_items(uint64_t vertices, uint64_t visits) {
   return vertices / NEIGHBOURHOODS_PER_ITEM + 1 + visits / VISITS_PER_ITEM + 1;
 }
 
-bool has_shader(const PipelineStep& entry, std::string_view shader) {
-  return shader == entry.step.shader;
-}
-
 }  // namespace
 
-WaveCore::WaveCore(gpu::Device& device, WorkQueue& work, const std::vector<PipelineStep>& pipeline,
-                   const WavefrontBuffers& buffers, const Plan& plan, HostRays* host_rays)
+WaveCore::WaveCore(gpu::Device& device, WorkQueue& work, const Watch& watch,
+                   const std::vector<PipelineStep>& pipeline, const WavefrontBuffers& buffers,
+                   const Plan& plan, HostRays* host_rays)
     : device_(device),
       work_(work),
+      watch_(watch),
       pipeline_(pipeline),
       buffers_(buffers),
       host_rays_(host_rays),
       max_depth_(plan.max_depth),
-      connections_(pairs_per_path(plan)),
-      has_merges_((plan.techniques & TECHNIQUE_MERGE) != 0) {}
+      connections_(plan.connections_per_vertex),
+      has_merges_(plan.keeps(STATE_MERGES)) {}
 
 uint64_t WaveCore::most_paths(uint64_t reach) {
   return std::max<uint64_t>(UINT32_MAX / std::max<uint64_t>(units_of(reach), 1), 1);
@@ -52,52 +50,69 @@ uint64_t WaveCore::most_paths(uint64_t reach) {
 
 bool WaveCore::run(Pass pass, const StageArguments& arguments, uint64_t reach) {
   uint64_t live = arguments.wave_paths;
-  gpu::CommandList& start = work_.room_for(live);
-  start.copy(buffers_.empty_heads, 0, buffers_.queue_heads, 0, buffers_.queue_heads.size());
-  record(start, pass, Extent::WaveStart, arguments);
+  work_.room_for(live).copy(buffers_.empty_heads, 0, buffers_.queue_heads, 0, buffers_.queue_heads.size());
+  record_ends(pass, Extent::WaveStart, arguments);
+  const bool counts_each = host_rays_ != nullptr || watch_.is_on();
   const uint32_t bounces = pass == Pass::Light ? std::max(max_depth_, 2u) - 1 : max_depth_;
   StageArguments own = arguments;
   for (own.bounce = 0; own.bounce < bounces && live > 0; ++own.bounce) {
-    if (own.bounce > 0 && (host_rays_ != nullptr || own.bounce % BOUNCES_BETWEEN_COUNTS == 0))
-      live = read_heads(own.bounce)[QUEUE_RAYS].count;
+    if (own.bounce > 0 && (counts_each || own.bounce % BOUNCES_BETWEEN_COUNTS == 0))
+      live = read_heads(own.bounce)[Queue::Rays].count;
     if (work_.is_cancelled()) return false;
-    run_bounce(pass, own, live, pass == Pass::Camera ? reach : 0);
+    if (live > 0) run_bounce(pass, own, live, pass == Pass::Camera ? reach : 0);
   }
   if (work_.is_cancelled()) return false;
-  gpu::CommandList& end = work_.room_for(2 * uint64_t{arguments.wave_paths});
-  record(end, pass, Extent::WaveEnd, arguments);
+  work_.room_for(2 * uint64_t{arguments.wave_paths});
+  record_ends(pass, Extent::WaveEnd, arguments);
   own = arguments;
   own.round = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
-  record(end, pass, Extent::Once, own);
+  record_ends(pass, Extent::Once, own);
   return true;
 }
 
-// Every step of the pass that runs to this extent, but for bounces.
-void WaveCore::record(gpu::CommandList& commands, Pass pass, Extent extent, const StageArguments& arguments) {
-  std::string_view previous_shader;
+// Calls record(entry, is_independent) for every step of the pass that is meant, in order. Steps of a stage
+// that follow each other are independent; the stage as a whole may be watched.
+template <typename IsMeant, typename Record>
+void WaveCore::for_each_step(Pass pass, const StageArguments& arguments, const IsMeant& is_meant,
+                             const Record& record) {
+  const PipelineStep* previous = nullptr;
   for (const PipelineStep& entry : pipeline_) {
-    if (entry.step.pass != pass || entry.step.extent != extent) continue;
-    if (has_shader(entry, previous_shader)) commands.independent();
-    previous_shader = entry.step.shader;
-    if (extent == Extent::Once)
-      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), 1);
-    else
-      commands.dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(arguments.wave_paths));
+    if (entry.step.pass != pass || !is_meant(entry.step)) continue;
+    const bool is_independent = previous != nullptr && previous->step.stage == entry.step.stage;
+    if (!is_independent) {
+      if (previous != nullptr) watch_.after(pass, previous->step.stage, arguments);
+      watch_.before(pass, entry.step.stage, arguments);
+    }
+    record(entry, is_independent);
+    previous = &entry;
   }
+  if (previous != nullptr) watch_.after(pass, previous->step.stage, arguments);
 }
 
-// Every step of a bounce. Queues are dispatched indirectly with exact counts.
-void WaveCore::record_bounce(Pass pass, const StageArguments& arguments, uint64_t items) {
-  gpu::CommandList* commands = &work_.room_for(items);
-  std::string_view previous_shader;
-  for (const PipelineStep& entry : pipeline_) {
-    if (entry.step.pass != pass || entry.step.extent != Extent::Bounce) continue;
-    if (trace_on_host(entry.step, arguments.bounce)) commands = &work_.room_for(items);
-    if (!entry.kernel.impl) continue;
-    if (has_shader(entry, previous_shader)) commands->independent();
-    previous_shader = entry.step.shader;
-    record_over_queue(*commands, entry, arguments, buffers_.queue_heads);
-  }
+// Every step that runs once in a wave, to this extent, on the list at hand.
+void WaveCore::record_ends(Pass pass, Extent extent, const StageArguments& arguments) {
+  const uint32_t groups = extent == Extent::Once ? 1 : groups_of(arguments.wave_paths);
+  for_each_step(
+      pass, arguments, [&](const StageStep& step) { return step.extent == extent; },
+      [&](const PipelineStep& entry, bool is_independent) {
+        gpu::CommandList& commands = work_.room_for(0);
+        if (is_independent) commands.independent();
+        commands.dispatch(entry.kernel, gpu::bytes_of(arguments), groups);
+      });
+}
+
+// Steps of a bounce, of `items` items in all. Queues are dispatched indirectly with exact counts.
+template <typename IsMeant>
+void WaveCore::record_bounce(Pass pass, const StageArguments& arguments, uint64_t items,
+                             const IsMeant& is_meant) {
+  work_.room_for(items);
+  for_each_step(pass, arguments, is_meant, [&](const PipelineStep& entry, bool is_independent) {
+    if (trace_on_host(entry.step, arguments.bounce)) work_.room_for(items);
+    if (!entry.kernel.impl) return;
+    gpu::CommandList& commands = work_.room_for(0);
+    if (is_independent) commands.independent();
+    record_over_queue(commands, entry, arguments, buffers_.queue_heads);
+  });
 }
 
 // If rays of the step are the host's: traces them, once all that was recorded before has run.
@@ -117,7 +132,7 @@ void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, ui
   const uint64_t others = ITEMS_PER_PATH * live + connect_items;
   const uint64_t all = others + (merges ? merge_items(live, live * reach) : 0);
   if (is_reach_short && all <= work_.bound())
-    record_bounce(pass, arguments, all);
+    record_bounce(pass, arguments, all, [](const StageStep& step) { return step.extent == Extent::Bounce; });
   else
     run_counted_bounce(pass, arguments, live, merges, reach);
 }
@@ -125,76 +140,73 @@ void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, ui
 // What may be too much for a submission is counted, once it is known what it is, and cut.
 void WaveCore::run_counted_bounce(Pass pass, const StageArguments& arguments, uint64_t live,
                                   bool counts_merges, uint64_t reach) {
-  gpu::CommandList* walk = &work_.room_for(ITEMS_PER_PATH * live);
-  if (counts_merges) walk->fill(buffers_.light_vertex_count, UNITS_OFFSET, sizeof(uint32_t), 0);
-  std::string_view previous_shader;
-  for (const PipelineStep& entry : pipeline_) {
-    const bool is_walk = entry.step.extent == Extent::Bounce && !has_shader(entry, "connect") &&
-                         !has_shader(entry, "trace_visibility") && !has_shader(entry, "merge");
-    if (entry.step.pass != pass || !(is_walk || (counts_merges && entry.step.extent == Extent::MergeCount)))
-      continue;
-    if (trace_on_host(entry.step, arguments.bounce)) walk = &work_.room_for(ITEMS_PER_PATH * live);
-    if (!entry.kernel.impl) continue;
-    if (has_shader(entry, previous_shader)) walk->independent();
-    previous_shader = entry.step.shader;
-    record_over_queue(*walk, entry, arguments, buffers_.queue_heads);
-  }
-  Heads heads = read_heads(arguments.bounce);
+  const auto is_walk = [&](const StageStep& step) {
+    if (step.extent == Extent::MergeCount) return counts_merges;
+    return step.extent == Extent::Bounce && step.stage != Stage::Connect &&
+           step.stage != Stage::TraceVisibility && step.stage != Stage::Merge;
+  };
+  if (counts_merges) work_.room_for(1).fill(buffers_.light_vertex_count, UNITS_OFFSET, sizeof(uint32_t), 0);
+  record_bounce(pass, arguments, ITEMS_PER_PATH * live, is_walk);
+  QueueHeads heads = read_heads(arguments.bounce);
   const uint64_t units =
       counts_merges
           ? gpu::download_all<uint32_t>(device_, buffers_.light_vertex_count, 1, UNITS_OFFSET).front()
           : 0;
-  run_over_queue("connect", arguments, heads);
+  run_over_queue(Stage::Connect, arguments, heads);
   // Connections that carry something become candidates.
   for (uint32_t c = 0; c < MATERIAL_CLASS_COUNT; ++c)
-    heads[QUEUE_VISIBILITY].count += heads[QUEUE_PAIRS + c].count;
-  run_over_queue("trace_visibility", arguments, heads);
+    heads[Queue::Visibility].count += heads[pair_queue(c)].count;
+  run_over_queue(Stage::TraceVisibility, arguments, heads);
   run_merges(arguments, heads, units, reach);
 }
 
-void WaveCore::run_over_queue(std::string_view shader, StageArguments arguments, const Heads& heads) {
-  for (const PipelineStep& entry : pipeline_) {
-    if (!has_shader(entry, shader)) continue;
-    trace_on_host(entry.step, arguments.bounce);
-    const uint64_t count = heads[entry.step.queue].count;
-    for (uint64_t first = 0, items = 0; first < count && !work_.is_cancelled(); first += items) {
-      items = std::min(work_.bound(), count - first);
-      arguments.first_item = static_cast<uint32_t>(first);
-      work_.room_for(items).dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(items));
-    }
-  }
+void WaveCore::run_over_queue(Stage stage, const StageArguments& arguments, const QueueHeads& heads) {
+  const uint64_t most_groups = device_.info().max_groups;
+  for_each_step(
+      Pass::Camera, arguments, [&](const StageStep& step) { return step.stage == stage; },
+      [&](const PipelineStep& entry, bool) {
+        trace_on_host(entry.step, arguments.bounce);
+        const uint64_t count = heads[entry.step.queue].count;
+        StageArguments own = arguments;
+        for (uint64_t first = 0, items = 0; first < count && !work_.is_cancelled(); first += items) {
+          items = std::min(work_.bound(), count - first);
+          own.first_item = static_cast<uint32_t>(first);
+          record_items(work_.room_for(items), entry, own, items, &StageArguments::first_item, most_groups);
+        }
+      });
 }
 
 // The steps of all merges of the bounce are numbered in units of MERGE_UNIT; each dispatch takes a range of
 // them, and of one vertex no more than an invocation may.
-void WaveCore::run_merges(StageArguments arguments, const Heads& heads, uint64_t units, uint64_t reach) {
+void WaveCore::run_merges(StageArguments arguments, const QueueHeads& heads, uint64_t units, uint64_t reach) {
   const uint64_t units_at_once = std::max<uint64_t>(work_.bound() / 2 * VISITS_PER_ITEM / MERGE_UNIT, 1);
-  for (uint64_t first = 0; first < units; first += units_at_once) {
+  for (uint64_t first = 0; first < units && !work_.is_cancelled(); first += units_at_once) {
     const uint64_t here = std::min(units_at_once, units - first);
     arguments.merge_first = static_cast<uint32_t>(first);
     arguments.merge_units = static_cast<uint32_t>(here);
     const uint64_t longest = std::min(reach, here * MERGE_UNIT);
     const auto rounds = static_cast<uint32_t>((longest + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH);
     for (arguments.round = 0; arguments.round < rounds; ++arguments.round)
-      for (const PipelineStep& entry : pipeline_) {
-        const uint64_t count = has_shader(entry, "merge") ? heads[entry.step.queue].count : 0;
-        if (count == 0) continue;
-        if (work_.is_cancelled()) return;
-        const uint64_t visits = std::min(here * MERGE_UNIT, count * MERGE_ROUND_LENGTH);
-        work_.room_for(merge_items(count, visits))
-            .dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(count));
-      }
+      for_each_step(
+          Pass::Camera, arguments, [](const StageStep& step) { return step.stage == Stage::Merge; },
+          [&](const PipelineStep& entry, bool) {
+            const uint64_t count = heads[entry.step.queue].count;
+            if (count == 0 || work_.is_cancelled()) return;
+            const uint64_t visits = std::min(here * MERGE_UNIT, count * MERGE_ROUND_LENGTH);
+            work_.room_for(merge_items(count, visits))
+                .dispatch(entry.kernel, gpu::bytes_of(arguments), groups_of(count));
+          });
   }
 }
 
-WaveCore::Heads WaveCore::read_heads(uint32_t bounce) {
+QueueHeads WaveCore::read_heads(uint32_t bounce) {
   work_.finish();
-  Heads heads;
-  const uint64_t offset = uint64_t{bounce} * sizeof(heads);
+  QueueHeads heads;
+  const uint64_t offset = QueueHeads::offset_of(bounce);
   if (const std::byte* in_place = buffers_.queue_heads.host())
-    std::memcpy(heads.data(), in_place + offset, sizeof(heads));
+    std::memcpy(&heads, in_place + offset, sizeof(heads));
   else
-    device_.download(buffers_.queue_heads, offset, std::as_writable_bytes(std::span(heads)));
+    device_.download(buffers_.queue_heads, offset, std::as_writable_bytes(std::span(heads.heads)));
   return heads;
 }
 

@@ -1,5 +1,5 @@
-// Device memory of the wavefront: path slots and queues, the film, light vertices and their grid, and the
-// frame that names the address of everything.
+// Device memory of the wavefront: the arrays of the state table, and the frame that names the address of
+// everything.
 #pragma once
 
 #include <cstdint>
@@ -8,22 +8,15 @@
 #include "interface/wavefront.h"
 #include "render/device_scene.hpp"
 #include "render/plan.hpp"
+#include "render/state.hpp"
 
 namespace regulus::render {
 
-/// Most connections of one path in a bounce.
-uint64_t pairs_per_path(const Plan& plan);
-
-/// Most path slots on a device whose dispatches run so many groups and whose allocations hold so many bytes:
-/// no queue holds more items than one dispatch may run, no array is larger than one allocation.
-uint64_t most_paths(const Plan& plan, uint64_t most_groups, uint64_t most_bytes);
-
-/// Device bytes of one path slot, over all queues.
-uint64_t bytes_per_path(const Plan& plan);
-
 class WavefrontBuffers {
  public:
-  /// Allocates for `capacity` path slots.
+  /// Allocates for `capacity` path slots. `plan` must outlive the object.
+  /// @throws std::logic_error if there are more than most_paths() on this device: then a queue could hold
+  /// more than a dispatch runs
   WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const interface::Camera& camera,
                    const Plan& plan, uint32_t capacity);
 
@@ -34,35 +27,31 @@ class WavefrontBuffers {
   /// Sets the number of light vertices that connections to the cache expect. No submission may be in flight.
   void expect_light_vertices(gpu::Device& device, uint64_t vertices);
 
-  uint64_t light_vertex_capacity() const { return frame_.light_vertex_capacity; }
+  /// Sets how many light vertices of the cache a camera vertex connects to; 0: those of its own path.
+  /// Precondition: as many as the plan's at most. No submission may be in flight.
+  void connect_to_cache(gpu::Device& device, uint32_t connections);
+
+  const interface::Frame& frame() const { return frame_; }
   uint32_t grid_cell_count() const { return frame_.grid_cell_mask + 1; }
   interface::DeviceAddress frame_address() const {
     return interface::device_address(frame_buffer_.address());
   }
 
-  gpu::Buffer queue_heads, empty_heads, film, splat_film, film_earlier, film_squares, aovs, counters;
-  gpu::Buffer light_vertex_count;  ///< LIGHT_COUNT_* words
-  gpu::Buffer light_path_ends, grid_cells;
-  gpu::Buffer path_footprints;
-  gpu::Buffer strategy_film;  ///< per strategy a weighted and an unweighted film
+  // Every array by its name in the table; empty if the plan does not keep it.
+#define STATE(name, element, times, per, when) gpu::Buffer name;
+#include "interface/state_table.h"
+#undef STATE
+  gpu::Buffer empty_heads;  ///< what queue_heads hold at the start of a wave
 
  private:
-  friend class StageRecorder;  // reads the queues between stages
-  friend class HostRays;       // a stage itself
-  void create_path_buffers(gpu::Device& device, const Plan& plan);
-  void create_media_buffers(gpu::Device& device, const Plan& plan);
-  void create_strategy_buffers(gpu::Device& device, const Plan& plan);
-  void create_light_buffers(gpu::Device& device, const Plan& plan);
+  template <typename Visit>
+  void for_each_array(const Visit& visit);
+  void allocate(gpu::Device& device, bool is_by_light_vertex);
 
-  LightVertexPlan vertex_plan_;
+  const Plan& plan_;
+  StateSizes sizes_;
   interface::Frame frame_ {};
   gpu::Buffer frame_buffer_;
-  gpu::Buffer paths_, hits_, radiance_, ray_queues_, bounce_queues_, candidates_, splats_, camera_vertices_,
-      pairs_, merge_starts_, escaped_;
-  gpu::Buffer light_vertices_, light_heads_, grid_ranks_, grid_entries_, light_path_sharp_, strategy_layers_,
-      candidate_strategies_, splat_strategies_, light_vertex_sharp_, light_receivers_, path_histories_,
-      camera_vertex_histories_, light_vertex_histories_, path_media_, camera_vertex_media_,
-      light_vertex_media_, candidate_media_, splat_media_;
 };
 
 }  // namespace regulus::render

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "render/aov.hpp"
+#include "render/state.hpp"
 #include "session/part.hpp"
 
 namespace regulus::session {
@@ -12,21 +13,6 @@ namespace regulus::session {
 namespace {
 
 using render::Window;
-
-// Bytes of the film's buffers for each pixel: the largest one's and those of all.
-struct FilmBytes {
-  uint64_t largest, all;
-};
-
-FilmBytes film_bytes(const render::Plan& plan) {
-  constexpr uint64_t SUMS = interface::FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
-  uint64_t sums = 1;
-  if ((plan.techniques & interface::TECHNIQUE_SPLAT) != 0) ++sums;
-  if ((plan.aovs & render::AOV_VARIANCE) != 0) sums += 2;
-  const bool has_surfaces = (plan.aovs & render::SURFACE_AOVS) != 0;
-  return {has_surfaces ? std::max<uint64_t>(SUMS, sizeof(interface::AovPixel)) : SUMS,
-          sums * SUMS + (has_surfaces ? sizeof(interface::AovPixel) : 0)};
-}
 
 // Values of a band's pixels, `per_pixel` of each: the band has all columns, so that its rows follow each
 // other.
@@ -53,7 +39,7 @@ void place(const image::Channels& channels, const Window& band, const Window& wh
 
 std::vector<Window> film_bands(const gpu::Device& device, const render::Plan& plan, uint64_t pixels_at_most) {
   const Window window = plan.window();
-  const FilmBytes bytes = film_bytes(plan);
+  const render::PixelBytes bytes = render::bytes_per_pixel(plan);
   uint64_t pixels = device.info().max_allocation_bytes / bytes.largest;
   // A band leaves as much memory for paths as it takes.
   const uint64_t free = device.free_bytes();

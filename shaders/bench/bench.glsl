@@ -3,6 +3,7 @@
 #define REGULUS_BENCH_GLSL
 
 #include "bench/bench_interface.h"
+#define TRAVERSAL_OF_A_BARE_TREE
 #include "lib/traversal.glsl"
 
 layout(local_size_x = WORKGROUP_SIZE) in;

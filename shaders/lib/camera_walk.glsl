@@ -5,6 +5,7 @@
 #include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/history.glsl"
+#include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
@@ -81,8 +82,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   }
   candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? film_index(frame, path.pixel & PATH_PIXEL) : slot;
   candidate.contribution = contribution;
-  uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
-  STORE(CandidateBuffer, frame.candidates, index, candidate);
+  uint index = append_candidate(candidate);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index, ray_media(point, light.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)));
   if (has_strategies()) {

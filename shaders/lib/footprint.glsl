@@ -15,7 +15,7 @@
 // What a Lambert lobe leaves: the diffusion 2 sqrt(variance) is 1 there.
 const float MAX_ANGULAR_VARIANCE = 0.25;
 
-bool has_footprints() { return is_regularized() && has_diffusion() && !has_light_subpaths(); }
+#define has_footprints() has_state(STATE_FOOTPRINTS)
 
 // At the lens: a pixel's solid angle (orthographic: its area), and the lens.
 vec3 start_footprint(Frame frame) {

@@ -5,11 +5,10 @@
 
 #include "lib/camera.glsl"
 #include "lib/history.glsl"
+#include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
-
-bool stores_light_vertices() { return (spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u; }
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
@@ -30,7 +29,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
                  (path.pixel & PATH_VERTEX_STREAM_MASK) << PATH_VERTEX_STREAM_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
   if (has_contacts()) STORE(MediaSetBuffer, frame.light_vertex_media, index, point.around);
-  if (is_regularized() && has_diffusion()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
+  if (has_sharp_levels()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
   if (has_histories()) STORE(PathHistoryBuffer, frame.light_vertex_histories, index, history);
   STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(index, list.count + 1u));
 }
@@ -54,8 +53,7 @@ float first_range_share(Frame frame, Path path, float distance) {
 
 // media: where the segment starts; edges: of the light path; unweighted: the contribution without its weight.
 void queue_splat(Frame frame, VisibilityCandidate segment, PathMedia media, vec2 film, uint edges, vec3 unweighted) {
-  uint index = queue_reserve(queue_head(QUEUE_SPLATS));
-  STORE(SplatBuffer, frame.splats, index, SplatCandidate(segment, film));
+  uint index = append_splat(SplatCandidate(segment, film));
   if (has_contacts()) STORE(PathMediaBuffer, frame.splat_media, index, media);
   if (has_strategies())
     STORE(StrategyCandidateBuffer, frame.splat_strategies, index,
@@ -139,7 +137,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   if (is_regularized()) {
     // Seen by a camera that has not diffused the surface here is not regularized.
     float sharp_ratio = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : 1.0;
-    if (has_diffusion()) {
+    if (has_sharp_levels()) {
       Path sharp_path = path;
       count_copies(counts, history.sharp_ratio, sharp_ratio, sharp);
       mis_scatter(counts, sharp, walk.plain_inverse, pdf_ratio, cos_out, sharp_path);

@@ -76,10 +76,7 @@ struct MisVertex {
 const float MIN_MIS_COS = 1e-7;
 
 // True if the weight of `hit` needs to know the vertex before: nee's choice of a light depends on it.
-bool keeps_receivers() {
-  const uint both = TECHNIQUE_HIT | TECHNIQUE_NEE;
-  return spec_light_sampling == LIGHT_SAMPLING_BVH && (spec_techniques & both) == both;
-}
+#define keeps_receivers() has_state(STATE_RECEIVERS)
 
 // A and B on arrival: the ray had the length `distance` and meets the geometric normal at cos_here.
 // is_parallel: all rays of this edge run in the same direction (distant light, orthographic camera).
@@ -98,11 +95,14 @@ MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges
   return MisVertex(unraised_a(a), b, edges == 1u ? counts.splat : counts.connect, counts.merge, raised_power(a));
 }
 
+// True if light paths and vertices have accumulators for a camera that sees them sharply, too.
+#define has_sharp_levels() has_state(STATE_SHARP)
+
 // Of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that the one before it
 // is regularized.
 MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
   vec2 accumulators = vec2(light.mis_a, light.mis_b);
-  if ((spec_regularization & REGULARIZATION_DIFFUSION) != 0u && !is_diffused)
+  if (has_sharp_levels() && !is_diffused)
     accumulators = LOAD(Vec2Buffer, frame.light_vertex_sharp, index);
   return mis_light_vertex(counts, accumulators.x, accumulators.y, light.edges & PATH_VERTEX_EDGES);
 }

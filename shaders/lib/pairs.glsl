@@ -3,12 +3,11 @@
 #define REGULUS_LIB_PAIRS_GLSL
 
 #include "lib/rng.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
 
 void append_pair(Frame frame, uint slot, uint index, uint edges_and_class) {
-  uint material_class = max(spec_material_class, edges_and_class >> PATH_VERTEX_CLASS_SHIFT & PATH_VERTEX_CLASS_MASK);
-  uint place = queue_reserve(queue_head(QUEUE_PAIRS + material_class));
-  STORE(ConnectionPairBuffer, frame.pairs, material_class * frame.pair_capacity + place, ConnectionPair(slot, index));
+  uint light_class = edges_and_class >> PATH_VERTEX_CLASS_SHIFT & PATH_VERTEX_CLASS_MASK;
+  append_connection(max(spec_material_class, light_class), ConnectionPair(slot, index));
 }
 
 // The vertices of the path's own light path.

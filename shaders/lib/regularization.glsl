@@ -38,7 +38,7 @@ bool diffuses(Bsdf bsdf) {
 #define is_both() ((spec_regularization & REGULARIZATION_BOTH) != 0u)
 #define has_sampler_quality() ((spec_regularization & REGULARIZATION_ROUGHNESS) * spec_sampler_quality != 0u)
 // True if paths carry a PathHistory (lib/history.glsl).
-#define has_histories() ((spec_regularization & REGULARIZATION_ROUGHNESS) * (spec_sampler_quality | (spec_regularization & REGULARIZATION_BOTH)) != 0u)
+#define has_histories() has_state(STATE_HISTORIES)
 
 // Below this diffusion a vertex is left alone.
 const float MIN_DIFFUSION = 1e-6;

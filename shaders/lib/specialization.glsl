@@ -1,5 +1,5 @@
-// The specialization constants of every stage (ids in interface/wavefront.h). The defaults leave everything
-// in, so that a kernel that sets none is complete.
+// The specialization constants of every stage (ids in interface/specialization.h). The defaults leave in what a kernel
+// computes, so that one that sets none is complete, and none of the state beside paths.
 #ifndef REGULUS_LIB_SPECIALIZATION_GLSL
 #define REGULUS_LIB_SPECIALIZATION_GLSL
 
@@ -21,13 +21,16 @@ layout(constant_id = SPEC_CLAMP) const uint spec_clamp = 0u;
 layout(constant_id = SPEC_CROP) const uint spec_crop = 0u;
 layout(constant_id = SPEC_ENERGY_COMPENSATION) const uint spec_energy_compensation = 0u;
 layout(constant_id = SPEC_LIGHT_SAMPLING) const uint spec_light_sampling = LIGHT_SAMPLING_POWER;
-layout(constant_id = SPEC_STRATEGIES) const uint spec_strategies = 0u;
+layout(constant_id = SPEC_STATE) const uint spec_state = STATE_ALWAYS;
 layout(constant_id = SPEC_FILM_EXPONENT) const int spec_film_exponent = 0;
 layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
 layout(constant_id = SPEC_RAYS) const uint spec_rays = RAYS_SOFTWARE;
 
-// Without `hit` an emitter that the camera sees directly is found by connecting it to the lens. A macro, as those of
-// lib/bsdf_parameters.glsl.
+// Whether one of these STATE_* is kept. A macro, as those of lib/bsdf_parameters.glsl.
+#define has_state(bits) ((spec_state & (bits)) != 0u)
+
+// Without `hit` an emitter that the camera sees directly is found by connecting it to the lens. A macro
+// likewise.
 #define connects_emitters() ((spec_techniques & (TECHNIQUE_SPLAT | TECHNIQUE_HIT)) == TECHNIQUE_SPLAT)
 
 #endif

@@ -1,12 +1,12 @@
 // Images of single strategies (render/strategies.hpp): beside the film, what each strategy (technique, s, t) adds, with
 // its weight and without. s and t are the vertices of the light and of the camera subpath, lens included; a merge counts
-// the merged vertex in both. Without SPEC_STRATEGIES all of this compiles to nothing.
+// the merged vertex in both. Without STATE_STRATEGIES all of this compiles to nothing.
 #ifndef REGULUS_LIB_STRATEGIES_GLSL
 #define REGULUS_LIB_STRATEGIES_GLSL
 
 #include "lib/film.glsl"
 
-#define has_strategies() (spec_strategies != 0u)
+#define has_strategies() has_state(STATE_STRATEGIES)
 
 // What a technique measures, with its weight and without.
 struct Weighted {

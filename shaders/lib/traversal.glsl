@@ -19,8 +19,11 @@
 #include "lib/placement.glsl"
 
 // Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction), and the instance
-// of an index. lib/alpha.glsl, if it was included before, knows; otherwise all surfaces are whole and stored in place.
+// of an index. lib/alpha.glsl knows. In a bare tree, which is no scene, all surfaces are whole and stored in place.
 #ifndef TRAVERSAL_IS_COVERED
+#ifndef TRAVERSAL_OF_A_BARE_TREE
+#error "rays of a scene are traced through lib/scene_query.glsl, which knows where its surfaces have holes"
+#endif
 #define TRAVERSAL_IS_COVERED(tag, triangle, barycentrics, origin, direction) true
 #define TRAVERSAL_HAS_INSTANCES false
 #define TRAVERSAL_INSTANCE(index) Instance(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), \

@@ -13,7 +13,7 @@ void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
-  uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
+  uint slot = queued_arrival(i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
 
@@ -50,7 +50,7 @@ void main() {
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
   bool ends = path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0;
-  if ((spec_techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u)
+  if (has_state(STATE_VERTICES))
     store_camera_vertex(frame, point, path, history, hit, slot, !ends && is_connectible(point));
   if (ends) return;
   MisVertex vertex = mis_camera_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);

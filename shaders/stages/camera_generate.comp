@@ -8,7 +8,7 @@
 #include "lib/history.glsl"
 #include "lib/media.glsl"
 #include "lib/rng.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
 
 void main() {
   uint slot = item_index();

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/film.glsl"
 #include "lib/history.glsl"
+#include "lib/queue.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
@@ -71,7 +72,7 @@ void main() {
   uint i = stage.first_item + item_index();
   if (i >= queue_count(QUEUE_PAIRS + spec_material_class)) return;
   Frame frame = FRAME;
-  ConnectionPair pair = LOAD(ConnectionPairBuffer, frame.pairs, spec_material_class * frame.pair_capacity + i);
+  ConnectionPair pair = queued_pair(i);
   PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, pair.slot);
   PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, pair.vertex);
 
@@ -123,8 +124,7 @@ void main() {
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
   candidate.path = film_index(frame, path.pixel & PATH_PIXEL);
   candidate.contribution = contribution;
-  uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
-  STORE(CandidateBuffer, frame.candidates, index, candidate);
+  uint index = append_candidate(candidate);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index,
           ray_media(camera_point, direction, camera_wi.z, camera.triangle, camera.barycentrics));

@@ -2,7 +2,7 @@
 // reads  queue heads          writes  counters
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
 
 void main() {
   uint heads = FRAME.max_depth * QUEUES_PER_BOUNCE;

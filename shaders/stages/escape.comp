@@ -6,14 +6,14 @@
 #include "lib/film.glsl"
 #include "lib/history.glsl"
 #include "lib/light.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
 #include "lib/strategies.glsl"
 
 void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_ESCAPED)) return;
   Frame frame = FRAME;
-  uint slot = LOAD(WordBuffer, frame.escaped, i);
+  uint slot = queued_escape(i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   EnvironmentSample environment = environment_at(frame, path.direction);
   // The accumulators are those of the ray itself: its end has no distance and no cosine (docs/mathematics.md 1).

@@ -10,7 +10,7 @@ void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
-  uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
+  uint slot = queued_arrival(i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   Hit hit = LOAD(HitBuffer, frame.hits, slot);
   PathMedia media = start_media(NO_MEDIA);
@@ -32,7 +32,7 @@ void main() {
   // With the vertex before this one not regularized: for a camera to which all from here on is sharp. Whether this
   // vertex diffuses, its user knows: a merge has the camera's surface here.
   vec2 sharp = vec2(path.mis_a, path.mis_b);
-  if (is_regularized() && has_diffusion() && path.bounce > 0u) {
+  if (has_sharp_levels() && path.bounce > 0u) {
     vec2 carried = LOAD(Vec2Buffer, frame.light_path_sharp, slot);
     sharp_path.mis_a = carried.x;
     sharp_path.mis_b = carried.y;
@@ -50,7 +50,7 @@ void main() {
 
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
-  if (is_connectible(point) && stores_light_vertices()) {
+  if (is_connectible(point) && has_state(STATE_VERTICES)) {
     uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
     store_light_vertex(frame, point, path, sharp, history, hit, head);
   }

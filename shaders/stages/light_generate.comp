@@ -42,7 +42,7 @@ void main() {
   uint index = stage.first_pixel + slot;
   uint light_path = index % period, iteration = stage.first_sample + index / period;
   uint head = frame.light_head_modulus == 0u ? slot : light_path;
-  if (stores_light_vertices()) STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(INVALID_INDEX, 0u));
+  if (has_state(STATE_VERTICES)) STORE(LightHeadBuffer, frame.light_heads, head, LightPathHead(INVALID_INDEX, 0u));
 
   vec4 u_light = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION);
   vec4 u_direction = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);

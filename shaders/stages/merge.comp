@@ -6,6 +6,7 @@
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
 #include "lib/history.glsl"
+#include "lib/queue.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
@@ -89,7 +90,7 @@ void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
-  uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
+  uint slot = queued_arrival(i);
   PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, slot);
   if (camera.edges == 0u) return;
   Neighbourhood near = neighbourhood(frame, stage.merge_radius, camera.position);

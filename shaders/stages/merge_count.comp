@@ -4,13 +4,13 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/grid.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
 
 void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
-  uint slot = LOAD(WordBuffer, frame.bounce_queues, spec_material_class * frame.wave_capacity + i);
+  uint slot = queued_arrival(i);
   PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, slot);
   if (camera.edges == 0u) return;
   uint units = merge_units(neighbourhood(frame, stage.merge_radius, camera.position).total);

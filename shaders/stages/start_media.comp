@@ -4,9 +4,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera.glsl"
-#include "lib/contacts.glsl"
+#include "lib/queue.glsl"
+#include "lib/scene_query.glsl"
 #include "lib/shading.glsl"
-#include "lib/stage.glsl"
 #include "lib/strategies.glsl"
 
 // What lies before the lens dims an emitter that it sees. The segment starts at the lens.
@@ -37,7 +37,7 @@ void main() {
   if (spec_walk == WALK_CAMERA && has_clipping()) start += clipped_range(frame.camera, path.direction).x * path.direction;
   media.around = media_at(frame, start);
   path.medium = medium_of(frame, media.around);
-  if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
+  count_overrun();
   STORE(PathBuffer, frame.paths, slot, path);
   STORE(PathMediaBuffer, frame.path_media, slot, media);
 }

@@ -4,13 +4,13 @@
 // reads  frame.camera, scene, aovs          writes  aovs
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/alpha.glsl"
+#define SCENE_QUERY_WITHOUT_MEDIA
+#include "lib/scene_query.glsl"
 #include "lib/camera.glsl"
 #include "lib/film.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
 #include "lib/stage.glsl"
-#include "lib/traversal.glsl"
 
 // Unlit surfaces show their emission.
 vec3 albedo_of(Frame frame, ShadingPoint point) {
@@ -23,9 +23,7 @@ bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
   vec3 origin, direction;
   camera_ray(frame.camera, film, vec2(frame.width, frame.height), u, origin, direction);
   uint tag;
-  vec2 range = clipped_range(frame.camera, direction);
-  if (has_clipping()) origin += range.x * direction;
-  hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, range.y - range.x, tag);
+  hit = closest(origin, direction, seen_range(direction), tag);
   if (hit.triangle == INVALID_INDEX) return false;
   point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE, NO_MEDIA);
   return true;

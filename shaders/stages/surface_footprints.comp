@@ -4,11 +4,11 @@
 // frame.camera, scene, paths, path_footprints          writes  paths, path_footprints
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/alpha.glsl"
+#define SCENE_QUERY_WITHOUT_MEDIA
+#include "lib/scene_query.glsl"
 #include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/shading.glsl"
-#include "lib/traversal.glsl"
 
 // The surface's last lobe: transmission if there is any. Rays keep to the middle of rough ones, so narrow
 // that it does not matter where in them they go.
@@ -50,11 +50,9 @@ void main() {
   // A path that has ended carries nothing.
   if (path.throughput.x == 0.0) return;
   uint tag;
-  vec2 range = vec2(0.0, 3.4e38);
-  if (stage.bounce == 0u) range = clipped_range(frame.camera, path.direction);
-  if (has_clipping()) path.origin += range.x * path.direction;
-  Hit hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, path.origin, path.direction, range.y - range.x, tag);
-  if (has_clipping()) hit.t += range.x;
+  vec2 range = WHOLE_RAY;
+  if (stage.bounce == 0u) range = seen_range(path.direction);
+  Hit hit = closest(path.origin, path.direction, range, tag);
   bool goes_on = false;
   if (hit.triangle == INVALID_INDEX) {
     footprint.x = uintBitsToFloat(0x7F800000u);

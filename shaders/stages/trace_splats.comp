@@ -3,9 +3,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera.glsl"
-#include "lib/contacts.glsl"
 #include "lib/film.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
+#include "lib/scene_query.glsl"
 #include "lib/strategies.glsl"
 
 void main() {
@@ -13,16 +13,9 @@ void main() {
   if (i >= queue_count(QUEUE_SPLATS)) return;
   Frame frame = FRAME;
   SplatCandidate splat = LOAD(SplatBuffer, frame.splats, i);
-  bool occluded;
-  if (spec_rays == RAYS_HOST)
-    occluded = splat.segment.t_max < 0.0;
-  else if (has_contacts())
-    occluded = is_segment_occluded(frame, splat.segment, LOAD(PathMediaBuffer, frame.splat_media, i));
-  else
-    occluded = trace_any(frame.bvh_nodes, frame.bvh_triangles, splat.segment.origin, splat.segment.direction,
-                         splat.segment.t_max);
-  if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
-  if (occluded) return;
+  bool is_seen = is_open(splat.segment, frame.splat_media, i);
+  count_overrun();
+  if (!is_seen) return;
   if (!is_valid_sample(splat.segment.contribution)) {
     count_events(COUNTER_NON_FINITE, 1u);
     return;

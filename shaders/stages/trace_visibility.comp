@@ -3,24 +3,18 @@
 // reads  candidates          writes  radiance or film
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "lib/contacts.glsl"
 #include "lib/film.glsl"
-#include "lib/stage.glsl"
+#include "lib/queue.glsl"
+#include "lib/scene_query.glsl"
 #include "lib/strategies.glsl"
 
 void main() {
   uint i = stage.first_item + item_index();
   if (i >= queue_count(QUEUE_VISIBILITY)) return;
   VisibilityCandidate candidate = LOAD(CandidateBuffer, FRAME.candidates, i);
-  bool occluded;
-  if (spec_rays == RAYS_HOST)
-    occluded = candidate.t_max < 0.0;
-  else if (has_contacts())
-    occluded = is_segment_occluded(FRAME, candidate, LOAD(PathMediaBuffer, FRAME.candidate_media, i));
-  else
-    occluded = trace_any(FRAME.bvh_nodes, FRAME.bvh_triangles, candidate.origin, candidate.direction, candidate.t_max);
-  if (traversal_overrun != 0u) count_events(COUNTER_TRAVERSAL_OVERRUN, 1u);
-  if (occluded) return;
+  bool is_seen = is_open(candidate, FRAME.candidate_media, i);
+  count_overrun();
+  if (!is_seen) return;
   candidate.contribution = clamp_contribution(candidate.contribution, FRAME.largest_contribution);
   if (has_strategies()) {
     StrategyCandidate strategy = LOAD(StrategyCandidateBuffer, FRAME.candidate_strategies, i);

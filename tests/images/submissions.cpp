@@ -2,6 +2,7 @@
 // cancelled render begins nothing more.
 #include <gtest/gtest.h>
 
+#include "gpu/faults.hpp"
 #include "images/support/render_scene.hpp"
 #include "support/device.hpp"
 
@@ -93,6 +94,33 @@ TEST_F(Submissions, OfHugeMergesAreBoundedAndAddUp) {
     const Rendered pieces = render(scene, settings);
     expect_bounded(pieces.statistics);
     EXPECT_TRUE(whole.film.words == pieces.film.words) << light_paths << " light paths";
+  }
+}
+
+// On a device whose dispatches run few groups everything is cut to fit: waves, the sorting of light vertices,
+// scans. The picture is the same. (A dispatch of more groups is a logic error, and a queue cannot hold more
+// than one runs.)
+TEST_F(Submissions, FitDispatchesOfFewGroups) {
+  const PreparedScene scene = floor_under_lamp();
+  struct Case {
+    uint32_t most_groups, techniques, cache_connections;
+  };
+  for (const Case& few : {Case{1, BPM | TECHNIQUE_SPLAT, 0}, Case{4, BPT | TECHNIQUE_MERGE, 1}}) {
+    RenderSettings settings = settings_of(24, few.techniques, 3);
+    settings.merge_radius = 0.2F;
+    settings.cache_connections = few.cache_connections;
+    const Rendered whole = render(scene, settings);
+    gpu::faults().most_groups = few.most_groups;
+    gpu::DeviceOptions options;
+    options.select = device()->info().name;
+    gpu::Device small(options);
+    gpu::faults() = {};
+    ASSERT_EQ(small.info().max_groups, few.most_groups);
+    render::Renderer renderer(small, scene, make_plan(scene, settings));
+    renderer.render([](uint64_t, uint64_t) { return true; });
+    EXPECT_LE(renderer.statistics().wave_capacity, 64 * few.most_groups);
+    EXPECT_TRUE(renderer.film().words == whole.film.words) << few.most_groups;
+    EXPECT_TRUE(renderer.film().splat_words == whole.film.splat_words) << few.most_groups;
   }
 }
 

@@ -11,7 +11,6 @@
 #include "gpu/specialize.hpp"
 #include "interface/wavefront.h"
 #include "render/shaders.hpp"
-#include "render/stages.hpp"
 
 namespace regulus::test {
 namespace {
@@ -20,8 +19,9 @@ using namespace interface;
 
 std::set<std::string> modules() {
   std::set<std::string> names;
-  for (const render::StageStep& step : render::STAGES)
-    for (const char* variant : {"", ".int32"}) names.insert(std::string(step.shader) + variant);
+  for (size_t stage = 0; stage < render::STAGE_COUNT; ++stage)
+    for (const char* variant : {"", ".int32"})
+      names.insert(std::string(file_of(static_cast<render::Stage>(stage))) + variant);
   return names;
 }
 
@@ -46,7 +46,8 @@ TEST(GpuStageModules, AreValidAndHaveFewVariables) {
     const std::vector<std::pair<uint32_t, uint32_t>> constants = {
         {SPEC_FEATURES, name.ends_with(".int32") ? FEATURE_ALPHA | FEATURE_ENVIRONMENT : 0u},
         {SPEC_TECHNIQUES, TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_CONNECT},
-        {SPEC_MATERIAL_CLASS, MATERIAL_CLASS_TRANSMISSIVE}};
+        {SPEC_MATERIAL_CLASS, MATERIAL_CLASS_TRANSMISSIVE},
+        {SPEC_STATE, name.ends_with(".int32") ? STATE_OF_KERNELS : STATE_ALWAYS}};
     const std::span<const uint32_t> spirv = shaders::spirv(name);
     const std::vector<uint32_t> specialized = gpu::specialize({name, spirv, constants}, true);
     EXPECT_TRUE(tools.Validate(specialized.data(), specialized.size(), options)) << name << ": " << message;

@@ -7,8 +7,9 @@
 #include <set>
 #include <string>
 
+#include "base/error.hpp"
 #include "render/stages.hpp"
-#include "render/wavefront_buffers.hpp"
+#include "render/state.hpp"
 
 namespace regulus::render {
 namespace {
@@ -20,6 +21,7 @@ Names needed(uint32_t material_classes, uint32_t techniques) {
   Plan plan;
   plan.features.material_classes = material_classes;
   plan.techniques = techniques;
+  plan.state = choose_state(plan);
   Names names;
   for (const StageStep& step : STAGES)
     if (is_needed(step, plan)) names.insert(step.name);
@@ -130,15 +132,15 @@ TEST(Stages, SolidsAroundPathsAreKeptWhereTheyMatter) {
   settings.techniques = ALL_TECHNIQUES;
   const auto start_stages = [](const Plan& plan) {
     return std::ranges::count_if(STAGES, [&](const StageStep& step) {
-      return std::string(step.shader) == "start_media" && is_needed(step, plan);
+      return step.stage == Stage::StartMedia && is_needed(step, plan);
     });
   };
   const Plan apart = plan_of(features, settings);
-  EXPECT_FALSE(apart.light_vertices.has_media);
+  EXPECT_FALSE(apart.keeps(STATE_MEDIA));
   EXPECT_EQ(start_stages(apart), 0);
   features.bits |= FEATURE_CONTACTS;
   const Plan touching = plan_of(features, settings);
-  EXPECT_TRUE(touching.light_vertices.has_media);
+  EXPECT_TRUE(touching.keeps(STATE_MEDIA));
   EXPECT_EQ(start_stages(touching), 0);
   EXPECT_GT(bytes_per_path(touching), bytes_per_path(apart));
   features.has_varying_starts = true;
@@ -199,6 +201,75 @@ TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
   const Plan cached = plan_of(features, settings);
   EXPECT_EQ(most_paths(cached, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1025 * 44)) << "candidates";
   EXPECT_LE(most_paths(cached, MUCH, MUCH) * 1025, UINT32_MAX) << "items are counted with 32 bits";
+}
+
+// By the sizes of the structs. A path tracer's slot: Path 64, Hit 16, radiance 12, two ray queues of 4, three
+// bounce queues of 4, one candidate of 44. With four edges a bidirectional one has three light vertices of 64
+// with a head of 8, a camera vertex of 64, three more candidates, three lists of three pairs of 8, and a
+// splat of 52.
+TEST(PathSlots, CostWhatTheirArraysHold) {
+  scene::Features features;
+  features.bits = FEATURE_TRIANGLE_LIGHTS;
+  features.has_connectible_surfaces = true;
+  RenderSettings settings;
+  settings.width = settings.height = 64;
+  settings.max_depth = 4;
+  EXPECT_EQ(bytes_per_path(plan_of(features, settings)), 64u + 16 + 12 + 8 + 12 + 44);
+  settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  const Plan paired = plan_of(features, settings);
+  EXPECT_EQ(bytes_per_path(paired), 156u + 3 * 64 + 8 + 64 + 3 * 44 + 3 * 3 * 8 + 52);
+  EXPECT_EQ(bytes_per_light_vertex(paired), 64u);
+  settings.techniques = TECHNIQUE_SPLAT;
+  EXPECT_EQ(bytes_per_path(plan_of(features, settings)), 64u + 16 + 12 + 8 + 12 + 2 * 52)
+      << "nothing is traced for visibility, and an emitter has a splat of its own";
+  settings.techniques = TECHNIQUE_HIT | TECHNIQUE_MERGE;
+  const Plan merging = plan_of(features, settings);
+  EXPECT_EQ(bytes_per_path(merging), 64u + 16 + 12 + 8 + 12 + 64 + 4) << "light vertices are the iteration's";
+  EXPECT_EQ(bytes_per_light_vertex(merging), 64u + 16 + 4) << "with their place in the grid";
+  settings.aovs = AOV_VARIANCE | AOV_DEPTH;
+  const PixelBytes pixel = bytes_per_pixel(plan_of(features, settings));
+  EXPECT_EQ(pixel.all, 3u * 36 + 64);
+  EXPECT_EQ(pixel.largest, 64u);
+}
+
+// Whatever the device, the settings and the memory: what is chosen fits, and where nothing does it is said.
+TEST(PathSlots, AreChosenWithinTheLimitsOfTheDevice) {
+  scene::Features features;
+  features.bits = FEATURE_TRIANGLE_LIGHTS;
+  features.has_connectible_surfaces = true;
+  RenderSettings settings;
+  settings.width = settings.height = 4096;
+  settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  constexpr uint64_t FILM = 4096 * 4096;
+  for (const uint32_t max_depth : {1u, 12u, 1024u})
+    for (const uint32_t max_groups : {65535u, 4096u, UINT32_MAX})
+      for (const uint64_t megabytes : {4, 256, 1 << 20})
+        for (const uint32_t wave_paths : {0u, 64u, 10'000'000u}) {
+          settings.max_depth = max_depth;
+          settings.wave_paths = wave_paths;
+          const Plan plan = plan_of(features, settings);
+          gpu::DeviceInfo device;
+          device.kind = gpu::DeviceKind::Discrete;
+          device.max_groups = max_groups;
+          device.max_allocation_bytes = megabytes << 20;
+          const uint64_t paths = choose_capacity(device, megabytes << 24, plan, FILM);
+          const uint64_t edges = std::max(max_depth, 2u) - 1;
+          EXPECT_EQ(paths % 64, 0u);
+          EXPECT_GE(paths, 64u);
+          EXPECT_LE(paths * (1 + edges), 64ull * max_groups) << "light samples and connections";
+          EXPECT_LE(paths * (1 + edges) * 44, megabytes << 20);
+          EXPECT_LE(paths * edges * 64, megabytes << 20) << "light vertices";
+          if (wave_paths == 64) {
+            EXPECT_EQ(paths, 64u);
+          }
+        }
+  gpu::DeviceInfo tiny;
+  tiny.max_groups = 65535;
+  tiny.max_allocation_bytes = 64 * 1023 * 64 - 1;  // a byte less than the light vertices of 64 paths
+  settings.max_depth = 1024;
+  EXPECT_THROW(choose_capacity(tiny, FILM, plan_of(features, settings), FILM), Error);
+  ++tiny.max_allocation_bytes;
+  EXPECT_EQ(choose_capacity(tiny, FILM, plan_of(features, settings), FILM), 64u);
 }
 
 }  // namespace

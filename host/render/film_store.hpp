@@ -1,0 +1,49 @@
+// The film of a render: its sums on the device, and the state of them that the host has last seen.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "render/film.hpp"
+#include "render/strategies.hpp"
+#include "render/wave_scheduler.hpp"
+#include "render/wavefront.hpp"
+
+namespace regulus::render {
+
+class FilmStore {
+ public:
+  /// `wavefront` must outlive the object.
+  FilmStore(Wavefront& wavefront, const scene::FilmExponents& exponents);
+
+  /// As of the last snapshot.
+  const Film& film() const { return film_; }
+
+  /// Snapshots are due again some time from now.
+  void start_clock() { last_snapshot_ = Clock::now(); }
+  /// Whether the last snapshot is so many times as old as it took to make that one more costs little.
+  bool is_snapshot_due() const;
+  /// Copies the film and the counters to the host, so that what is done survives the device. If the device is
+  /// lost on the way nothing changes. @param finished what the device has rendered of it
+  void take_snapshot(const WavePaths& finished);
+
+  /// Puts a film onto the device to go on with. Precondition: it is of the same size and has the same parts.
+  void restore(const Film& film);
+
+  /// Of every strategy that has images, one after the other.
+  void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void count_work(const WavePaths& finished, const std::vector<uint32_t>& words);
+  image::Image strategy_image(const Strategy& strategy, uint64_t index) const;
+
+  Wavefront& wavefront_;
+  Film film_;
+  Clock::time_point last_snapshot_;
+  double snapshot_seconds_;  // that the last one took
+};
+
+}  // namespace regulus::render

@@ -1,0 +1,69 @@
+// The arrays of the wavefront (shaders/interface/state_table.h) as the host counts them: which a plan keeps,
+// how large they are, what a path in flight costs, and so how many may be in flight.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+#include "render/plan.hpp"
+
+namespace regulus::render {
+
+/// A row of the table.
+struct StateArray {
+  const char* name;
+  uint64_t bytes;  ///< for each of `per`
+  uint32_t per;    ///< PER_*
+  uint32_t when;   ///< STATE_*
+};
+
+inline constexpr std::array STATE_ARRAYS = [] {
+  using namespace interface;
+  return std::to_array<StateArray>({
+#define STATE(name, element, times, per, when) {#name, (times) * sizeof(element), per, when},
+#include "interface/state_table.h"
+#undef STATE
+  });
+}();
+
+/// What a wavefront has room for.
+struct StateSizes {
+  uint64_t paths = 0;           ///< path slots
+  uint64_t light_vertices = 0;  ///< of the wave or iteration
+  uint64_t grid_cells = 0;
+};
+
+/// STATE_* bits that render under the plan's other choices need.
+uint32_t choose_state(const Plan& plan);
+
+/// Most light vertices of one light path.
+uint64_t vertices_per_path(const Plan& plan);
+
+/// Bytes of an array; 0 if the plan does not keep it.
+uint64_t bytes_of_array(const StateArray& array, const Plan& plan, const StateSizes& sizes);
+
+/// Device bytes of one path slot, over all arrays.
+uint64_t bytes_per_path(const Plan& plan);
+
+/// Device bytes of a light vertex.
+uint64_t bytes_per_light_vertex(const Plan& plan);
+
+/// Device bytes of a pixel: over all arrays, and of the largest.
+struct PixelBytes {
+  uint64_t all, largest;
+};
+PixelBytes bytes_per_pixel(const Plan& plan);
+
+/// Most path slots on a device whose dispatches run so many groups and whose allocations hold so many bytes:
+/// no queue holds more items than one dispatch may run, no array is larger than one allocation.
+uint64_t most_paths(const Plan& plan, uint64_t most_groups, uint64_t most_bytes);
+
+/// Path slots of a render of `total_paths`, a whole number of groups: what the plan or the kind of device
+/// asks for, as far as the device's limits and its free memory allow.
+/// @throws regulus::Error (Failed) if not even one group of paths is possible
+uint32_t choose_capacity(const gpu::DeviceInfo& device, uint64_t free_bytes, const Plan& plan,
+                         uint64_t total_paths);
+
+}  // namespace regulus::render

@@ -1,0 +1,94 @@
+// A path between stages and the vertices that it leaves.
+#ifndef REGULUS_INTERFACE_PATH_H
+#define REGULUS_INTERFACE_PATH_H
+
+#include "scene.h"
+#include "types.h"
+
+REGULUS_INTERFACE_BEGIN
+
+// State of a path between stages: the ray to trace next and what it carries. Camera and light paths alike.
+struct Path {
+  vec3 origin;
+  float mis_a;       // see lib/mis.glsl: what MIS keeps of the walk, before the distance of the ray is known
+  vec3 direction;    // unit
+  uint pixel;        // camera path: y * width + x on the whole film, and PATH_DIFFUSED; light path: its index in the iteration
+  vec3 throughput;
+  uint sample_index; // of the pixel; light path: the iteration, which is the same number
+  float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
+                     // light path: 1 if it starts at an infinitely distant light, otherwise 0
+  uint bounce;       // path edges before this ray
+  uint medium;       // material whose absorption the ray passes through, or INVALID_INDEX
+  float mis_b;
+};
+REGULUS_LAYOUT(Path, 64);
+
+// Set once a camera path has scattered at a surface that is not sharp (lib/regularization.glsl).
+REGULUS_CONSTANT PATH_DIFFUSED = 1u << 31;
+REGULUS_CONSTANT PATH_PIXEL = PATH_DIFFUSED - 1u;
+
+// A vertex of a subpath as connections and merges need it: where it is, where the walk came from, what it
+// carries on arrival (the bsdf here not included), and the accumulators of MIS (lib/mis.glsl).
+struct PathVertex {
+  vec3 position;
+  uint link;          // light vertex: the one before it on its path, or INVALID_INDEX; camera vertex: medium of
+                      // the edge that arrives
+  vec3 direction;     // unit, towards the previous vertex of the walk
+  uint triangle;
+  vec3 throughput;
+  float mis_a;
+  vec2 barycentrics;
+  float mis_b;
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the walk's start to here; above them MATERIAL_CLASS_*, and
+                      // of a light vertex the last bits of its light path's index
+};
+REGULUS_LAYOUT(PathVertex, 64);
+REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
+REGULUS_CONSTANT PATH_VERTEX_CLASS_SHIFT = 16u;
+REGULUS_CONSTANT PATH_VERTEX_CLASS_MASK = 3u;
+REGULUS_CONSTANT PATH_VERTEX_STREAM_SHIFT = 18u;
+REGULUS_CONSTANT PATH_VERTEX_STREAM_MASK = 0xFFFu;
+REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
+
+// Where the ray of a path or a segment starts, only with FEATURE_CONTACTS: the solids around it, and the surface point that it
+// leaves.
+struct PathMedia {
+  MediaSet around;
+  vec2 barycentrics;
+  uint triangle;  // its number; INVALID_INDEX: it leaves no surface
+  uint solid;     // whose boundary that is, or INVALID_INDEX
+};
+REGULUS_LAYOUT(PathMedia, 48);
+
+// The vertices of one light path: the last one stored, from which the others follow by `link`.
+struct LightPathHead {
+  uint last;
+  uint count;
+};
+REGULUS_LAYOUT(LightPathHead, 8);
+
+// A vertex of the merge grid: light vertices in the order of their cells.
+struct GridEntry {
+  vec3 position;
+  uint vertex;
+};
+REGULUS_LAYOUT(GridEntry, 16);
+
+// What sampler quality and `both` know of a subpath beside Path or PathVertex (lib/history.glsl). In a path
+// between stages `plain` and `pending` do not know the length of the ray yet.
+struct PathHistory {
+  vec2 plain;         // accumulators (A, B) of the unregularized weights
+  float worst;        // least bound of a finished technique's estimator, times the squared length of the path, 1/m^2
+  float pending;      // rho-bar of the last vertex over the squared length of the edge that leads on
+  float distance;     // m, along the subpath
+  float ratio;        // rho^W / rho of the last vertex
+  float sharp_ratio;  // the same for a camera that has not diffused
+};
+REGULUS_LAYOUT(PathHistory, 28);
+
+// Path edges before Russian roulette starts: the first indirect bounces carry most of the light.
+REGULUS_CONSTANT ROULETTE_FIRST_BOUNCE = 2u;
+
+REGULUS_INTERFACE_END
+
+#endif
