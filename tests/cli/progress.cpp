@@ -134,7 +134,7 @@ TEST_F(Progress, JsonIsAnObjectALine) {
   // The device opens before its kernels are compiled; those that are known take no phase.
   std::erase(phases, "kernels");
   EXPECT_EQ(phases, (std::vector<std::string>{"load", "prepare", "device", "render", "write", "done"}));
-  EXPECT_GE(renders, 2u);
+  EXPECT_GE(renders, 1u);  // one of those each second may come before the first path
   const json done = json_lines(finished.out).back();
   EXPECT_EQ(done.at("files"), json::array({file("a.exr")}));
   EXPECT_GE(done.at("samples"), samples);
@@ -146,7 +146,7 @@ TEST_F(Progress, JsonIsAnObjectALine) {
 TEST_F(Progress, OffATerminalALineEveryTenSeconds) {
   Process process({"render", file("scene.gltf"), "-o", file("a.exr"), "--size", "16x16", "-s", "16000000"});
   ASSERT_TRUE(process.wait_for_handler(SIGINT));
-  std::this_thread::sleep_for(std::chrono::seconds(1));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
   process.send(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::seconds(10));
   process.send(SIGCONT);
