@@ -107,6 +107,7 @@ std::vector<fs::path> driver_folders() {
   add(or_else(variable("XDG_DATA_HOME"), home + "/.local/share"));
   add(or_else(variable("XDG_DATA_DIRS"), "/usr/local/share:/usr/share"));
   std::vector<fs::path> folders;
+  folders.reserve(roots.size());
   for (const std::string& root : roots) folders.push_back(fs::path(root) / "vulkan/icd.d");
   return folders;
 }

@@ -248,7 +248,8 @@ std::vector<std::string> apply_edits(json& document, const std::vector<std::stri
     done[pointer.to_string().substr(1)] = edit.value.dump();
   }
   std::vector<std::string> list;
-  for (const auto& [place, value] : done) list.push_back(place + "=" + value);
+  list.reserve(done.size());
+  for (const auto& [place, value] : done) list.push_back(fmt::format("{}={}", place, value));
   return list;
 }
 
