@@ -71,8 +71,8 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
   energy_roughness_ = std::sqrt(std::sqrt(parameters.alpha.x * parameters.alpha.y));
   diffuse_albedo_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color;
-  if (const EnergyTables* tables = parameters.energy != nullptr ? parameters.energy : parameters.cover)
-    energy_index_ = tables->nearest(std::max(parameters.ior, 1 / parameters.ior));
+  for (const EnergyTables* tables : {parameters.energy, parameters.cover, parameters.raised_light})
+    if (tables != nullptr) energy_index_ = tables->nearest(std::max(parameters.ior, 1 / parameters.ior));
   if (parameters.cover != nullptr && diffuse_albedo_ != dvec3(0))
     cover_share_ = {cover_share(energy_roughness_), energy_roughness_ > 0 ? 1.0 : 0.0};
   parameters_.fresnel_average =
@@ -90,6 +90,13 @@ Bsdf Bsdf::with_alpha(const dvec2& alpha) const {
 Bsdf Bsdf::with_coat_alpha(const dvec2& alpha) const {
   Bsdf other = *this;
   other.parameters_.coat_alpha = other.coat_.alpha = alpha;
+  return other;
+}
+
+Bsdf Bsdf::with_scaled_lobes(double base, double coat) const {
+  Bsdf other = *this;
+  other.base_scale_ *= base;
+  other.coat_scale_ *= coat;
   return other;
 }
 
@@ -214,15 +221,15 @@ dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
 /// D G2 / (4 cos_i cos_o), both directions above the surface.
 dvec3 Bsdf::mirror_lobe_value(const dvec3& wo, const dvec3& wi) const {
   const dvec3 h = reflection_half_vector(wo, wi);
-  return dvec3(distribution(surface_, h) * masking_shadowing(surface_, wi, wo, h, Scattering::Reflection) /
-               (4 * wi.z * wo.z));
+  return dvec3(base_scale_ * distribution(surface_, h) *
+               masking_shadowing(surface_, wi, wo, h, Scattering::Reflection) / (4 * wi.z * wo.z));
 }
 
 dvec3 Bsdf::refraction_value(const dvec3& wo, const dvec3& wi, double eta, TransportMode mode) const {
   const dvec3 h = refraction_half_vector(wo, wi, eta);
   if (dot(wo, h) <= 0 || dot(wi, h) >= 0) return dvec3(0);
-  const double d_g =
-      distribution(surface_, h) * masking_shadowing(surface_, wi, wo, h, Scattering::Transmission);
+  const double d_g = base_scale_ * distribution(surface_, h) *
+                     masking_shadowing(surface_, wi, wo, h, Scattering::Transmission);
   const double importance =
       d_g * dot(wo, h) * refraction_jacobian(wo, wi, h, eta) / (std::abs(wi.z) * std::abs(wo.z));
   return transmittance(fresnel_of_refraction(wo, wi, h, eta), eta) *
@@ -269,7 +276,7 @@ dvec3 Bsdf::value(const dvec3& wo, const dvec3& wi, TransportMode mode) const {
   const double fresnel = coat_towards(wo) * (0.04 + 0.96 * std::pow(std::max(1 - dot(up_o, h), 0.0), 5));
   // What falls on the coat, over what falls on the base.
   const double falls = mode == TransportMode::Radiance ? up_i.z / std::abs(wi.z) : up_o.z / std::abs(wo.z);
-  return value + falls * fresnel * distribution(coat_, h) *
+  return value + coat_scale_ * falls * fresnel * distribution(coat_, h) *
                      masking_shadowing(coat_, up_i, up_o, h, Scattering::Reflection) / (4 * up_i.z * up_o.z);
 }
 

@@ -49,6 +49,8 @@ struct BsdfParameters {
   /// `energy`.
   const EnergyTables* cover = nullptr;
   double cover_error = 0;  ///< added to what its tables hold
+  /// Raised lobes keep their light by these (reference/regularization.hpp); null: they lose some.
+  const EnergyTables* raised_light = nullptr;
 };
 
 /// A sampled direction.
@@ -131,6 +133,12 @@ class Bsdf {
   /// The same with another alpha of the clearcoat's lobe; (0, 0): value() and pdf() are without it.
   Bsdf with_coat_alpha(const glm::dvec2& alpha) const;
 
+  /// The same with the values of the base's and of the clearcoat's microfacet lobe scaled; pdfs are not.
+  Bsdf with_scaled_lobes(double base, double coat) const;
+
+  /// Number of its index of refraction among the tables of its parameters.
+  uint32_t energy_index() const { return energy_index_; }
+
   /// The same with another normal of the clearcoat.
   Bsdf with_coat_normal(const glm::dvec3& normal) const;
 
@@ -207,7 +215,8 @@ class Bsdf {
   SpecularDielectric dielectric_;
   uint32_t energy_index_ = 0;  // of the tables for this index of refraction
   bool is_in_relief_shadow_ = false;
-  double energy_roughness_ = 0;  // of the material itself, also where a lobe is raised
+  double base_scale_ = 1, coat_scale_ = 1;  // of the microfacet lobes' values
+  double energy_roughness_ = 0;             // of the material itself, also where a lobe is raised
   // Of parameters_.cover in the base's light, likewise, from outside and from inside.
   std::array<double, 2> cover_share_{};
   glm::dvec3 diffuse_albedo_;  // (1 - m) (1 - t) base

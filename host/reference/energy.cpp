@@ -104,7 +104,8 @@ EnergyTables::EnergyTables(std::vector<float> indices, uint32_t ndf, uint32_t sh
       nodes_(unknown(indices_.size() * PLANES * ENERGY_PLANE_WORDS)),
       means_(unknown(indices_.size() * PLANES * ENERGY_NODES)),
       cover_nodes_(unknown(indices_.size() * 4 * COVER_NODES)),
-      cover_means_(unknown(indices_.size() * 4 * COVER_ROWS)) {}
+      cover_means_(unknown(indices_.size() * 4 * COVER_ROWS)),
+      refracted_nodes_(unknown(indices_.size() * 2 * COVER_NODES)) {}
 
 uint32_t EnergyTables::nearest(double ior) const {
   const auto is_nearer = [&](float a, float b) { return std::abs(a - ior) < std::abs(b - ior); };
@@ -119,11 +120,12 @@ struct Scattered {
 };
 
 /// What a surface does with even light from a direction with this cosine. `eta`: n(beyond) / n(here).
-Scattered scatter(const Microsurface& surface, double cosine, double eta) {
+Scattered scatter(const Microsurface& surface, double cosine, double eta,
+                  uint32_t points = EnergyTables::NODE_POINTS) {
   const Microsurface seen = visible_normal_model(surface);
   const dvec3 wo(std::sqrt(1 - cosine * cosine), 0, cosine);
   Scattered sums;
-  for (uint32_t i = 0; i < EnergyTables::NODE_POINTS; ++i) {
+  for (uint32_t i = 0; i < points; ++i) {
     const dvec3 u = r3_point(i);
     double u_choice = u.z;
     const dvec3 h = sample_visible_normal(surface, wo, dvec2(u), u_choice);
@@ -250,6 +252,30 @@ dvec2 EnergyTables::cover_mean(uint32_t index, double roughness, bool is_inside)
                            [&] { return cover_row_mean(index, is_inside, row); });
   };
   return glm::mix(of_row(place.node), of_row(place.node + 1), place.rest);
+}
+
+double EnergyTables::refracted_node(uint32_t index, bool is_inside, uint32_t direction, uint32_t row) const {
+  const size_t node = (index * 2 + is_inside) * size_t{COVER_NODES} + row * ENERGY_NODES + direction;
+  return remembered(refracted_nodes_[node], [&] {
+    const double ior{indices_[index]};
+    const double eta = is_inside ? 1 / ior : ior;
+    const double cosine = std::max(cover_cosine(direction, ior, is_inside), LEAST_POSITION * LEAST_POSITION);
+    const double roughness = cover_roughness(row, true);
+    if (roughness == 0) return 1 - fresnel_dielectric(cosine, eta);
+    return scatter({ndf_, shadowing_, dvec2(roughness * roughness)}, cosine, eta, REFRACTED_POINTS)
+               .transmitted /
+           REFRACTED_POINTS;
+  });
+}
+
+double EnergyTables::refracted(uint32_t index, double cosine, double roughness, bool is_inside) const {
+  const Place column = cover_column(cosine, double{indices_[index]}, is_inside);
+  const Place row = cover_row(roughness, true);
+  const auto along = [&](uint32_t r) {
+    return std::lerp(refracted_node(index, is_inside, column.node, r),
+                     refracted_node(index, is_inside, column.node + 1, r), column.rest);
+  };
+  return std::lerp(along(row.node), along(row.node + 1), row.rest);
 }
 
 double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const {

@@ -15,10 +15,11 @@ namespace regulus::reference {
 
 /// The tables of one microfacet model. Nodes are integrated when they are first asked for; safe for threads.
 /// The integral over visible normals is part of the model: a mean over NODE_POINTS points of the R3 sequence
-/// (Roberts 2018).
+/// (Roberts 2018), of refracted() over REFRACTED_POINTS.
 class EnergyTables {
  public:
   static constexpr uint32_t NODE_POINTS = 2048;
+  static constexpr uint32_t REFRACTED_POINTS = 1024;
 
   /// Tables for interfaces of these indices of refraction; beyond ENERGY_MAX_INDICES different ones, of
   /// evenly chosen ones of them.
@@ -44,7 +45,10 @@ class EnergyTables {
   glm::dvec2 cover(uint32_t index, double cosine, double roughness, bool is_inside) const;
   glm::dvec2 cover_mean(uint32_t index, double roughness, bool is_inside) const;
 
-  /// One node of a plane, `quantity` ENERGY_*, but not of a cover.
+  /// T: share that a clear interface of the `index`-th index refracts, from outside or from inside.
+  double refracted(uint32_t index, double cosine, double roughness, bool is_inside) const;
+
+  /// One node of a plane, `quantity` ENERGY_*, but not of a cover or of refracted().
   double node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const;
 
  private:
@@ -54,12 +58,14 @@ class EnergyTables {
   double integrate_node(double ior, uint32_t quantity, uint32_t direction, uint32_t row) const;
   glm::dvec2 cover_node(uint32_t index, bool is_inside, uint32_t direction, uint32_t row) const;
   glm::dvec2 cover_row_mean(uint32_t index, bool is_inside, uint32_t row) const;
+  double refracted_node(uint32_t index, bool is_inside, uint32_t direction, uint32_t row) const;
 
   std::vector<float> indices_;
   uint32_t ndf_, shadowing_;
-  // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate.
+  // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate; of
+  // refracted() by index, side and node.
   // NaN: not yet known; threads that race store the same number.
-  std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_;
+  std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_, refracted_nodes_;
 };
 
 /// How much the tables count, from outside, for the base of an interface of this roughness, against the

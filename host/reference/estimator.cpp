@@ -139,8 +139,11 @@ TechniqueSet Estimator::techniques(uint32_t sample) const {
   // Where alpha_tau shrinks by the schedule, tau grows like the bound: like 1 / alpha_tau^2, under `smith` 1
   // / alpha_tau^4.
   const bool is_smith = settings_.bound == BOUND_SMITH && settings_.shadowing != SHADOWING_V_CAVITY;
+  // A raised lobe keeps its light, so it exceeds tau by what it would lose.
+  const double alpha = alpha_at_normal(regularization, settings_.ndf, settings_.shadowing);
+  const double kept = world_.energy_tables().reflected(1, std::sqrt(alpha));
   set.enough_quality =
-      std::pow(regularization.tau / std::pow(regularization.alpha_scale, is_smith ? 4 : 2), 2);
+      std::pow(regularization.tau / (std::pow(regularization.alpha_scale, is_smith ? 4 : 2) * kept), 2);
   return set;
 }
 

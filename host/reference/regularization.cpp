@@ -65,6 +65,16 @@ double refraction_alpha(const Regularization& regularization, uint32_t ndf, uint
   return std::sqrt(e / (pi * tau));
 }
 
+/// Beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
+double largest_alpha(uint32_t ndf) {
+  return ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0;
+}
+
+/// Perceptual, of the tables.
+double roughness_of(const dvec2& alpha) {
+  return std::sqrt(std::sqrt(alpha.x * alpha.y));
+}
+
 bool is_refraction(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi) {
   return bsdf.parameters().is_volume && wo.z * wi.z < 0;
 }
@@ -120,10 +130,50 @@ dvec2 raised_coat_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
   const BsdfParameters& p = bsdf.parameters();
   const double c = std::abs(dot(dvec3(wo.x, wo.y, std::abs(wo.z)), facet_normal(bsdf, wo, wi)));
   const double alpha = reflection_alpha(regularization, p.ndf, p.shadowing, c) * regularization.alpha_scale;
-  return glm::max(p.coat_alpha, dvec2(std::min(alpha, p.ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0)));
+  return glm::max(p.coat_alpha, dvec2(std::min(alpha, largest_alpha(p.ndf))));
+}
+
+/// What a lobe keeps of its light in the direction of the camera where `alpha` is raised to `raised`: the
+/// ratio of the energies by single scattering, of a reflection those of a perfect reflector.
+double reflection_kept(const Bsdf& bsdf, const dvec2& alpha, const dvec2& raised, double camera_cosine) {
+  const EnergyTables* tables = bsdf.parameters().raised_light;
+  if (tables == nullptr || alpha == raised) return 1;
+  return tables->reflected(camera_cosine, roughness_of(alpha)) /
+         tables->reflected(camera_cosine, roughness_of(raised));
+}
+
+double refraction_kept(const Bsdf& bsdf, const dvec2& alpha, const dvec2& raised, const dvec3& w_camera) {
+  const EnergyTables* tables = bsdf.parameters().raised_light;
+  if (tables == nullptr || alpha == raised) return 1;
+  const bool is_inside = bsdf.relative_index(w_camera) < 1;
+  const auto refracted = [&](const dvec2& a) {
+    return tables->refracted(bsdf.energy_index(), std::abs(w_camera.z), roughness_of(a), is_inside);
+  };
+  const double left = refracted(raised);
+  return left > 0 ? refracted(alpha) / left : 0;
+}
+
+/// The bsdf with its base's lobe raised, wo towards the camera.
+Bsdf with_raised_base(const Bsdf& bsdf, const dvec2& alpha, const dvec3& wo, const dvec3& wi) {
+  const dvec2& own = bsdf.parameters().alpha;
+  const double kept = is_refraction(bsdf, wo, wi) ? refraction_kept(bsdf, own, alpha, wo)
+                                                  : reflection_kept(bsdf, own, alpha, std::abs(wo.z));
+  return bsdf.with_alpha(alpha).with_scaled_lobes(kept, 1);
+}
+
+/// Likewise its clearcoat's.
+Bsdf with_raised_coat(const Bsdf& bsdf, const dvec2& alpha, const dvec3& wo) {
+  const double camera_cosine = std::abs(bsdf.to_coat(wo, wo.z < 0).z);
+  return bsdf.with_coat_alpha(alpha).with_scaled_lobes(
+      1, reflection_kept(bsdf, bsdf.parameters().coat_alpha, alpha, camera_cosine));
 }
 
 }  // namespace
+
+double alpha_at_normal(const Regularization& regularization, uint32_t ndf, uint32_t shadowing) {
+  const double alpha_tau = reflection_alpha(regularization, ndf, shadowing, 1);
+  return std::min(alpha_tau * regularization.alpha_scale, largest_alpha(ndf));
+}
 
 dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Regularization& regularization) {
   const BsdfParameters& p = bsdf.parameters();
@@ -132,17 +182,15 @@ dvec2 raised_alpha(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, const Reg
   const double alpha_tau = is_refraction(bsdf, wo, wi)
                                ? refraction_alpha(regularization, p.ndf, p.shadowing, bsdf.relative_index(wo))
                                : reflection_alpha(regularization, p.ndf, p.shadowing, c);
-  // Beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
-  const double most = p.ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0;
-  return glm::max(p.alpha, dvec2(std::min(alpha_tau * regularization.alpha_scale, most)));
+  return glm::max(p.alpha, dvec2(std::min(alpha_tau * regularization.alpha_scale, largest_alpha(p.ndf))));
 }
 
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
                                       const BsdfSample* delta, const Regularization& regularization) {
   const bool is_delta_event = delta != nullptr;
   const bool has_coat = bsdf.parameters().clearcoat > 0;
-  Bsdf wide = bsdf.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
-  if (has_coat) wide = wide.with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, regularization));
+  Bsdf wide = with_raised_base(bsdf, raised_alpha(bsdf, wo, wi, regularization), wo, wi);
+  if (has_coat) wide = with_raised_coat(wide, raised_coat_alpha(bsdf, wo, wi, regularization), wo);
   if (is_delta_event && (wide.is_delta() || regularization.mis == MIS_UNMODIFIED)) return std::nullopt;
   RaisedScattering raised;
   raised.value = wide.value(wo, wi, TransportMode::Radiance);
@@ -194,9 +242,9 @@ dvec3 virtual_merge(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_
 
 Bsdf raised_alone(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_coat,
                   const Regularization& regularization) {
-  const Bsdf smooth = without_facets(bsdf);
-  return is_coat ? smooth.with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, regularization))
-                 : smooth.with_alpha(raised_alpha(bsdf, wo, wi, regularization));
+  const Bsdf raised = is_coat ? with_raised_coat(bsdf, raised_coat_alpha(bsdf, wo, wi, regularization), wo)
+                              : with_raised_base(bsdf, raised_alpha(bsdf, wo, wi, regularization), wo, wi);
+  return is_coat ? raised.with_alpha(dvec2(0)) : raised.with_coat_alpha(dvec2(0));
 }
 
 bool raises_facets(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi, bool is_coat,
@@ -218,7 +266,7 @@ double estimator_bound(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
   full.tau = regularization.full_tau;
   const double diffuse = luminance_of(without_facets(bsdf), wo, wi);
   const dvec2 alpha = glm::max(raised_alpha(bsdf, wo, wi, full), dvec2(DELTA_ALPHA));
-  const Bsdf wide = bsdf.with_alpha(alpha).with_coat_alpha(dvec2(0));
+  const Bsdf wide = with_raised_base(bsdf, alpha, wo, wi).with_coat_alpha(dvec2(0));
   const double facets = luminance_of(wide, wo, wi) - diffuse;
   const auto peak = [](const dvec2& a, double least) { return 1 / (pi * std::max(a.x * a.y, least)); };
   const BsdfParameters& p = bsdf.parameters();
@@ -231,7 +279,8 @@ double estimator_bound(const Bsdf& bsdf, const dvec3& wo, const dvec3& wi,
   double sum = diffuse + facets;
   double weighted = diffuse * diffuse + facets * scale * peak(p.alpha, 1e-10);
   if (p.clearcoat > 0 && wo.z * wi.z > 0) {
-    const Bsdf coated = bsdf.with_alpha(dvec2(0)).with_coat_alpha(raised_coat_alpha(bsdf, wo, wi, full));
+    const Bsdf coated =
+        with_raised_coat(bsdf, raised_coat_alpha(bsdf, wo, wi, full), wo).with_alpha(dvec2(0));
     const double coat = luminance_of(coated, wo, wi) - diffuse;
     sum += coat;
     weighted += coat * 0.25 * peak(p.coat_alpha, 1e-28);

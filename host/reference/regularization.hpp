@@ -28,11 +28,16 @@ struct Regularization {
 /// docs/mathematics.md 3.1, of the walk times rho^W / rho (rho^W: rho^, or with its peak blended in, 3.9).
 /// These are finite for delta lobes, whose p and rho share a delta that cancels.
 struct RaisedScattering {
-  glm::dvec3 value{0};  ///< rho^(wo, wi), 1/sr, as radiance
-  double pdf_wi = 0;    ///< of wi given wo
-  double pdf_wo = 0;    ///< of wo given wi
-  double ratio = 0;     ///< rho^W / rho; 0 of a delta event
+  /// rho^(wo, wi), 1/sr, as radiance. A raised lobe is scaled so that wo, towards the camera, gets as much of
+  /// even light as before: by its energies in single scattering with alpha and with alpha^.
+  glm::dvec3 value{0};
+  double pdf_wi = 0;  ///< of wi given wo
+  double pdf_wo = 0;  ///< of wo given wi
+  double ratio = 0;   ///< rho^W / rho; 0 of a delta event
 };
+
+/// alpha^ of a mirror at normal incidence.
+double alpha_at_normal(const Regularization& regularization, uint32_t ndf, uint32_t shadowing);
 
 /// alpha^ of the lobe that scatters wo to wi: reflection if both lie on the same side, or thin-walled
 /// transmission; otherwise refraction.

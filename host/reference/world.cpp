@@ -39,7 +39,8 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
       light_sampling_(scene::resolve_light_sampling(light_sampling, scene_.lights.size())),
       center_(0.5f * (scene_.bounds_min + scene_.bounds_max)),
       radius_(0.5 * glm::length(dvec3(scene_.bounds_max) - dvec3(scene_.bounds_min))),
-      has_smooth_normals_((prepared.features.bits & FEATURE_SMOOTH_NORMALS) != 0) {
+      has_smooth_normals_((prepared.features.bits & FEATURE_SMOOTH_NORMALS) != 0),
+      energy_(scene::interface_indices(scene_.materials, has_contacts()), ndf, shadowing) {
   std::map<float, double> average;
   for (const Material& material : scene_.materials) {
     const auto [entry, is_new] = average.try_emplace(material.ior);
@@ -52,11 +53,8 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
         relative_average_[{behind, in_front}] = fresnel_dielectric_average(double{behind} / in_front);
   if ((prepared.features.bits & FEATURE_SHEEN) != 0)
     sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
-  const bool has_rough_bases = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
-  if (!compensates_energy && !has_rough_bases) return;
-  energy_ = std::make_unique<const EnergyTables>(scene::interface_indices(scene_.materials, has_contacts()),
-                                                 ndf, shadowing);
   compensates_energy_ = compensates_energy;
+  has_rough_bases_ = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
 }
 
 Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
@@ -239,8 +237,11 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
     p.fresnel_average = relative_average_.at({material.ior, ior_in_front});
   }
   // Without a specular lobe there is no interface to compensate for.
-  if (material.material_class != MATERIAL_CLASS_DIFFUSE)
-    (compensates_energy_ ? p.energy : p.cover) = energy_.get();
+  if (material.material_class != MATERIAL_CLASS_DIFFUSE) {
+    if (compensates_energy_) p.energy = &energy_;
+    if (!compensates_energy_ && has_rough_bases_) p.cover = &energy_;
+    p.raised_light = &energy_;
+  }
   p.cover_error = surface.cover_error;
   *p.fresnel_average += surface.fresnel_error;
   return Bsdf(p);

@@ -59,6 +59,9 @@ class World {
                  uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false);
 
   const scene::Scene& scene() const { return scene_; }
+
+  /// What rough interfaces of this scene reflect and refract.
+  const EnergyTables& energy_tables() const { return energy_; }
   const Traversal& traversal() const { return traversal_; }
 
   /// How next-event estimation chooses a light: LIGHT_SAMPLING_*, resolved.
@@ -159,9 +162,9 @@ class World {
   bool has_smooth_normals_;
   std::vector<double> fresnel_average_;                         // by material
   std::map<std::pair<float, float>, double> relative_average_;  // by index behind and in front, with contacts
-  bool compensates_energy_ = false;
-  std::unique_ptr<const SheenTable> sheen_;     // if some material has it
-  std::unique_ptr<const EnergyTables> energy_;  // if energy is compensated, or some base has a rough cover
+  bool compensates_energy_ = false, has_rough_bases_ = false;
+  std::unique_ptr<const SheenTable> sheen_;  // if some material has it
+  EnergyTables energy_;
 };
 
 }  // namespace regulus::reference

@@ -28,11 +28,13 @@ const scene::Solids& solids_of(const scene::Scene& scene) {
 }
 
 gpu::Buffer energy_tables_of(gpu::Device& device, const PreparedScene& prepared, const Plan& plan) {
-  const uint32_t feature =
-      plan.has_energy_compensation ? interface::FEATURE_ROUGH_SPECULAR : interface::FEATURE_ROUGH_BASE;
-  const bool is_needed = (prepared.features.bits & feature) != 0;
-  if (!is_needed) return {};
-  return make_energy_tables(device, prepared.scene.materials, plan, prepared.scene.solids.has_contacts);
+  const uint32_t bits = prepared.features.bits;
+  const EnergyUses uses{
+      .has_compensation = plan.has_energy_compensation && (bits & interface::FEATURE_ROUGH_SPECULAR) != 0,
+      .has_rough_bases = !plan.has_energy_compensation && (bits & interface::FEATURE_ROUGH_BASE) != 0,
+      .raises_lobes = (plan.regularization & interface::REGULARIZATION_ROUGHNESS) != 0};
+  if (!uses.has_compensation && !uses.has_rough_bases && !uses.raises_lobes) return {};
+  return make_energy_tables(device, prepared.scene.materials, plan, uses, prepared.scene.solids.has_contacts);
 }
 
 double mebibytes(uint64_t bytes) {

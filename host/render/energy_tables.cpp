@@ -123,7 +123,7 @@ void add_inside_means(std::vector<float>& words, size_t side, double ior) {
 }  // namespace
 
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>& materials,
-                               const CommonSettings& settings, bool has_contacts) {
+                               const CommonSettings& settings, const EnergyUses& uses, bool has_contacts) {
   const std::vector<float> indices = choose_indices(scene::interface_indices(materials, has_contacts));
   const size_t count = ENERGY_PER_INDEX + indices.size() * ENERGY_INDEX_WORDS;
   gpu::Buffer tables = device.create_buffer(count * sizeof(float), "energy tables");
@@ -136,35 +136,43 @@ gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<Material>&
     gpu::CommandList commands(device);
     const EnergyArguments arguments{device_address(tables.address()), static_cast<uint32_t>(first), quantity,
                                     ior};
-    const uint32_t nodes = quantity >= ENERGY_COVER_OUT ? COVER_NODES : ENERGY_PLANE_WORDS;
+    const uint32_t nodes =
+        quantity >= ENERGY_COVER_OUT ? COVER_NODES : ENERGY_PLANE_WORDS;  // refracted as covers
     commands.dispatch(kernel, gpu::bytes_of(arguments), nodes / WORKGROUP_SIZE);
     gpu::Submission submission = device.submit(std::move(commands));
     device.wait(submission);
   };
   const auto first_of = [](size_t i) { return ENERGY_PER_INDEX + i * ENERGY_INDEX_WORDS; };
-  if (settings.has_energy_compensation) {
-    fill(ENERGY_COMMON, ENERGY_REFLECTED, 1.5f);
+  if (uses.has_compensation || uses.raises_lobes) fill(ENERGY_COMMON, ENERGY_REFLECTED, 1.5f);
+  if (uses.has_compensation) {
     for (size_t i = 0; i < indices.size(); ++i)
       for (const uint32_t quantity : {ENERGY_FRESNEL, ENERGY_SCATTERED_OUT, ENERGY_SCATTERED_IN})
         fill(first_of(i) + (quantity - 1) * ENERGY_PLANE_WORDS, quantity, indices[i]);
-  } else {
+  }
+  if (uses.has_rough_bases) {
     const bool has_inside = std::ranges::any_of(materials, scene::may_show_base_inside);
     for (size_t i = 0; i < indices.size(); ++i) {
       fill(first_of(i) + ENERGY_COVERS, ENERGY_COVER_OUT, indices[i]);
       if (has_inside) fill(first_of(i) + ENERGY_COVERS + COVER_SIDE_WORDS, ENERGY_COVER_IN, indices[i]);
     }
   }
+  if (uses.raises_lobes && std::ranges::any_of(materials, scene::bounds_solids)) {
+    for (size_t i = 0; i < indices.size(); ++i) {
+      fill(first_of(i) + ENERGY_REFRACTED, ENERGY_REFRACTED_OUT, indices[i]);
+      fill(first_of(i) + ENERGY_REFRACTED + REFRACTED_SIDE_WORDS, ENERGY_REFRACTED_IN, indices[i]);
+    }
+  }
 
   std::vector<float> words = gpu::download_all<float>(device, tables, count);
   words[0] = std::bit_cast<float>(static_cast<uint32_t>(indices.size()));
   std::ranges::copy(indices, words.begin() + ENERGY_INDICES);
-  if (settings.has_energy_compensation)
-    add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
+  if (uses.has_compensation) add_means(words, ENERGY_COMMON, ENERGY_COMMON + ENERGY_PLANE_WORDS, true);
   for (size_t i = 0; i < indices.size(); ++i) {
     const size_t first = first_of(i);
-    if (settings.has_energy_compensation) {
+    if (uses.has_compensation) {
       add_means(words, first, first + 3 * ENERGY_PLANE_WORDS, false);
-    } else {
+    }
+    if (uses.has_rough_bases) {
       add_outside_means(words, first + ENERGY_COVERS);
       add_inside_means(words, first + ENERGY_COVERS + COVER_SIDE_WORDS, indices[i]);
     }

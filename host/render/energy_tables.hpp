@@ -1,5 +1,6 @@
-// The tables of what rough interfaces reflect, of a scene, made on the device: for energy compensation
-// (shaders/lib/energy.glsl), or for diffuse bases under rough dielectrics (shaders/lib/cover.glsl).
+// The tables of what rough interfaces reflect and refract, of a scene, made on the device: for energy
+// compensation (shaders/lib/energy.glsl), for diffuse bases under rough dielectrics (shaders/lib/cover.glsl),
+// and for raised lobes (shaders/lib/raised_light.glsl).
 #pragma once
 
 #include <vector>
@@ -10,10 +11,17 @@
 
 namespace regulus::render {
 
-/// Integrates the tables for the interfaces of these materials under settings.ndf and settings.shadowing:
-/// with settings.has_energy_compensation those of energy compensation, otherwise the covers of diffuse bases.
+/// What the tables are for; what has no use is left empty.
+struct EnergyUses {
+  bool has_compensation = false;
+  bool has_rough_bases = false;
+  bool raises_lobes = false;
+};
+
+/// Integrates the tables for the interfaces of these materials under settings.ndf and settings.shadowing.
 /// `has_contacts`: solids may meet each other.
 gpu::Buffer make_energy_tables(gpu::Device& device, const std::vector<interface::Material>& materials,
-                               const CommonSettings& settings, bool has_contacts = false);
+                               const CommonSettings& settings, const EnergyUses& uses,
+                               bool has_contacts = false);
 
 }  // namespace regulus::render

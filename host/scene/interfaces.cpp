@@ -4,16 +4,12 @@
 
 namespace regulus::scene {
 
-namespace {
-
 using interface::INVALID_INDEX;
 
 bool bounds_solids(const interface::Material& material) {
   return material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
          (material.flags & interface::MATERIAL_VOLUME) != 0;
 }
-
-}  // namespace
 
 bool may_show_base_inside(const interface::Material& material) {
   return bounds_solids(material) &&
@@ -28,7 +24,7 @@ std::vector<float> interface_indices(const std::vector<interface::Material>& mat
   if (has_contacts)
     for (const interface::Material& behind : materials)
       for (const interface::Material& in_front : materials)
-        if (may_show_base_inside(behind) && bounds_solids(in_front))
+        if (bounds_solids(behind) && bounds_solids(in_front))
           indices.push_back(std::max(behind.ior / in_front.ior, in_front.ior / behind.ior));
   std::ranges::sort(indices);
   indices.erase(std::unique(indices.begin(), indices.end()), indices.end());

@@ -7,11 +7,14 @@
 
 namespace regulus::scene {
 
+/// True if the material bounds solids that light enters.
+bool bounds_solids(const interface::Material& material);
+
 /// True if the material bounds solids that transmit in part, so that their diffuse base is seen from inside.
 bool may_show_base_inside(const interface::Material& material);
 
 /// Indices of refraction of the materials' interfaces, ascending, each once: against air, and if solids may
-/// touch (`has_contacts`) of the denser against the other where solids that transmit in part meet others.
+/// touch (`has_contacts`) of the denser against the other where solids meet.
 std::vector<float> interface_indices(const std::vector<interface::Material>& materials, bool has_contacts);
 
 }  // namespace regulus::scene

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "interface/energy.h"
 #include "interface/wavefront.h"
 #include "reference/regularization.hpp"
 #include "stability/batch.hpp"
@@ -233,6 +234,8 @@ std::vector<Sweep> sweep_bsdf(gpu::Device& device, Extent extent) {
   std::vector<BsdfResults> results;
   results.reserve(sweeps.size());
   for (const BsdfSweep& sweep : sweeps) results.emplace_back(sweep);
+  const gpu::Buffer nothing_lost = gpu::upload_new(
+      device, std::vector<float>(ENERGY_PER_INDEX + ENERGY_INDEX_WORDS, 1.0f), "energy tables");
   for (size_t m = 0; m < (extent == Extent::Quick ? QUICK_MODELS : std::size(MODELS)); ++m) {
     const Model& model = MODELS[m];
     const gpu::Kernel kernel = create_kernel(device, "bsdf",
@@ -246,7 +249,10 @@ std::vector<Sweep> sweep_bsdf(gpu::Device& device, Extent extent) {
       const BsdfSweep& sweep = sweeps[s];
       if (sweep.is_anisotropic && model.ndf == NDF_COSINE) continue;
       std::vector<StabilityBsdfCase> inputs;
-      for (const BsdfCase& c : sweep.cases) inputs.push_back(c.inputs);
+      for (const BsdfCase& c : sweep.cases) {
+        inputs.push_back(c.inputs);
+        inputs.back().energy_tables = device_address(nothing_lost.address());
+      }
       const auto found = map_on_device<StabilityBsdfResult>(device, kernel, inputs);
       for (size_t i = 0; i < found.size(); ++i) {
         results[s].add_lobe(sweep.cases[i], model, found[i], sweep.quantities);

@@ -78,12 +78,15 @@ struct Lobes {
   float choice_reverse;
   MicrofacetTerms terms;
   float density;          // terms.density * density_scale, 0 for a delta lobe or without a facet
+  float camera_cosine;    // of the direction towards the camera
+  bool is_camera_inside;  // it lies on the denser side of the interface
   // The same of the clearcoat's lobe, whose density_scale is 1/4. Only with bsdf_has_coat().
   float coat_weight;
   float coat_forward;
   float coat_reverse;
   MicrofacetTerms coat_terms;
   float coat_density;
+  float coat_camera_cosine;  // with the coat's normal
 };
 
 // Terms of the clearcoat's lobe with this alpha.
@@ -114,6 +117,7 @@ void add_coat(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, vec2 position_o, vec
     lobes.coat_weight *= transport == TRANSPORT_RADIANCE ? cosine_i / max(wi.z, MIN_COS) : cosine_o / max(wo.z, MIN_COS);
   lobes.coat_forward = chosen_o.x;
   lobes.coat_reverse = chosen_i.x;
+  lobes.coat_camera_cosine = abs(transport == TRANSPORT_RADIANCE ? cosine_o : cosine_i);
   lobes.coat_terms = coat_microfacet_terms(bsdf, wo, wi, facet, max(bsdf.coat_alpha, vec2(MIN_ALPHA)));
   if (bsdf.coat_alpha.x > 0.0) lobes.coat_density = min(0.25 * lobes.coat_terms.density, MAX_DENSITY);
 }
@@ -146,6 +150,11 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   lobes.coat_reverse = 0.0;
   lobes.coat_terms = MicrofacetTerms(0.0, 0.0, 0.0, 0.0);
   lobes.coat_density = 0.0;
+  lobes.coat_camera_cosine = 1.0;
+  // The camera's direction, in which energy is counted (lib/energy.glsl, lib/raised_light.glsl).
+  bool is_turned = transport == TRANSPORT_IMPORTANCE;
+  lobes.camera_cosine = is_turned ? cos_i : cos_o;
+  lobes.is_camera_inside = (bsdf.excess < 0.0) != (is_turned && facet.is_refracted);
   if (!bsdf_has_specular()) {
     lobes.diffuse = bsdf.diffuse * same_side;
     lobes.diffuse_forward = cos_i * same_side;
@@ -198,16 +207,13 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   bool is_rough = facet.is_valid && bsdf.alpha.x > 0.0;
   lobes.density = is_rough ? min(lobes.terms.density * lobes.density_scale, MAX_DENSITY) : 0.0;
   lobes.weight = interface_reflectance(bsdf, s, k);
-  // Energy is counted in the direction of the camera, see lib/energy.glsl.
-  bool is_turned = transport == TRANSPORT_IMPORTANCE;
-  float cos_camera = is_turned ? cos_i : cos_o;
-  bool is_camera_inside = (bsdf.excess < 0.0) != (is_turned && facet.is_refracted);
-  if (compensates_energy()) lobes.weight = compensated_reflectance(bsdf, s, k, cos_camera, is_camera_inside);
+  if (compensates_energy())
+    lobes.weight = compensated_reflectance(bsdf, s, k, lobes.camera_cosine, lobes.is_camera_inside);
   if (bsdf_has_transmission() && facet.is_transmitted) {
     lobes.weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
     if (compensates_energy())
-      lobes.weight /= bsdf.is_thin ? energy_reflected(bsdf.energy, cos_camera)
-                                   : energy_scattered(bsdf.energy, cos_camera, is_camera_inside);
+      lobes.weight /= bsdf.is_thin ? energy_reflected(bsdf.energy, lobes.camera_cosine)
+                                   : energy_scattered(bsdf.energy, lobes.camera_cosine, lobes.is_camera_inside);
     reflect_o = 1.0 - reflect_o;
     reflect_i = 1.0 - reflect_i;
   }

@@ -24,6 +24,8 @@
 
 #define compensates_energy() \
   (spec_energy_compensation * spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
+// Lobes are raised, and keep their light (lib/raised_light.glsl).
+#define raises_lobes() ((spec_regularization & REGULARIZATION_ROUGHNESS) * spec_material_class != 0u)
 #define has_rough_base() \
   ((1u - spec_energy_compensation) * spec_material_class * (spec_features & FEATURE_ROUGH_BASE) != 0u)
 
@@ -62,7 +64,7 @@ struct Bsdf {
   vec2 coat_alpha;       // 0: delta
   vec3 coat_normal;      // local, on the side of wo; only with bsdf_has_coat_normal(), as is
   bool is_coat_turned;   // MATERIAL_COAT_NORMAL: it is another than z
-  EnergyTables energy;   // only with compensates_energy() or has_rough_base()
+  EnergyTables energy;   // only with compensates_energy(), has_rough_base() or raises_lobes()
   bool is_solid;         // it refracts; only with compensates_energy()
   vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
   Sheen sheen;           // only with bsdf_has_sheen()
@@ -322,10 +324,13 @@ void add_sheen(DeviceAddress table, Material material, bool is_front, inout Bsdf
                      is_solid && is_front ? 0.0 : largest, table);
 }
 
-// Prepares a bsdf for energy compensation (lib/energy.glsl): looks up its tables and lets the diffuse lobe have what a
-// rough interface passes.
-void compensate_energy(DeviceAddress tables, Material material, inout Bsdf bsdf) {
-  bsdf.energy = find_energy_tables(tables, material.ior, bsdf.alpha);
+// Looks up the tables of the material's interface.
+void find_tables(DeviceAddress tables, Material material, inout Bsdf bsdf) {
+  bsdf.energy = find_energy_tables(tables, max(material.ior, 1.0 / material.ior), bsdf.alpha);
+}
+
+// Prepares a bsdf for energy compensation (lib/energy.glsl): lets the diffuse lobe have what a rough interface passes.
+void compensate_energy(Material material, inout Bsdf bsdf) {
   bsdf.is_solid = bsdf_has_transmission() && material.transmission > 0.0 && !bsdf.is_thin;
   if (bsdf.excess < 0.0) return;  // as rough_position
   vec3 smooth_mean = mean_transmittance(bsdf, material.ior);
@@ -335,9 +340,8 @@ void compensate_energy(DeviceAddress tables, Material material, inout Bsdf bsdf)
 
 // Lets the diffuse lobe have what the interface passes by its own albedo (lib/cover.glsl). Uses the material's own alpha,
 // whatever its lobes are raised to: the base's light is a function of the path.
-void cover_base(DeviceAddress tables, Material material, inout Bsdf bsdf) {
+void cover_base(Material material, inout Bsdf bsdf) {
   if (!(max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0)) return;
-  bsdf.energy = find_energy_tables(tables, max(material.ior, 1.0 / material.ior), bsdf.alpha);
   bsdf.cover = vec2(cover_share(bsdf.energy.roughness), bsdf.energy.roughness > 0.0);
   bool is_inside = bsdf.excess < 0.0;
   vec2 albedo = cover_mean(bsdf.energy, is_inside);

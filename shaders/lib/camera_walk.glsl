@@ -51,7 +51,7 @@ Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex 
     MisVertex plain = mis_camera_vertex(counts, history.plain.x, history.plain.y, edges);
     float plain_weight = mis_weight_nee(counts, plain, bsdf.plain.pdf_forward * per_light, emission_pdf,
                                         bsdf.plain.pdf_reverse, 1.0);
-    float share = regularized_share(regularization, worst, history.distance + distance);
+    float share = regularized_share(frame, regularization, worst, history.distance + distance);
     value = mix(bsdf.plain.value * plain_weight, value, share);
     unweighted = mix(bsdf.plain.value, unweighted, share);
   }

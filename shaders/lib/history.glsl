@@ -60,12 +60,15 @@ uint light_edge_technique(uint edges) { return edges == 1u ? TECHNIQUE_NEE : TEC
 const float SMOOTH_WIDTH = 2.0;
 
 // How much of the regularized estimate a path gets: 1 all, 0 none. Lengths in m, worst in 1/m^2.
-float regularized_share(Regularization regularization, float worst, float length_of_path) {
+float regularized_share(Frame frame, Regularization regularization, float worst, float length_of_path) {
   if (spec_sampler_quality == SAMPLER_QUALITY_OFF) return 1.0;
   float quality = min(worst * square(length_of_path), NO_BOUND);
   // What is scheduled is alpha_tau: the tau that it belongs to grows by the power of alpha in the bound.
   float shrunk = square(regularization.full_scale);
   if (spec_bound == BOUND_SMITH && spec_shadowing != SHADOWING_V_CAVITY) shrunk = square(shrunk);
+  // A raised lobe keeps its light (lib/raised_light.glsl), so it exceeds tau by what it would lose.
+  vec2 alpha = vec2(min(reflection_alpha(regularization.full_tau, 1.0) * regularization.full_scale, largest_alpha()));
+  shrunk *= energy_reflected(with_alpha(EnergyTables(frame.energy_tables, 0u, 0.0, 0.0), alpha), 1.0);
   float threshold = square(regularization.full_tau / shrunk);
   if (spec_sampler_quality == SAMPLER_QUALITY_ON) return quality < threshold ? 0.0 : 1.0;
   float excess = log_accurate(max(quality, 1e-30)) - log_accurate(min(threshold, NO_BOUND));
@@ -109,7 +112,7 @@ float hit_weight(Frame frame, Path path, PathHistory history, TechniqueCounts co
   float worst = history.worst;
   if ((spec_techniques & TECHNIQUE_NEE) != 0u) worst = min(worst, history.pending * bound);
   Regularization regularization = regularization_of(frame, path.sample_index, true);
-  float share = regularized_share(regularization, worst, history.distance);
+  float share = regularized_share(frame, regularization, worst, history.distance);
   return mix(mis_weight_hit(counts, history.plain, pdf_connect, pdf_emit, 1.0), weight, share);
 }
 

@@ -93,7 +93,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
                       bsdf.bound * camera_bound(frame) / max(square(distance), 1e-12));
     MisVertex plain = mis_light_vertex(counts, history.plain.x, history.plain.y, edges);
     float plain_weight = mis_weight_splat(counts, plain, bsdf.plain.pdf_reverse, area_pdf, 1.0);
-    float share = regularized_share(regularization, worst, history.distance + distance);
+    float share = regularized_share(frame, regularization, worst, history.distance + distance);
     value = mix(bsdf.plain.value * plain_weight, value, share);
     unweighted = mix(bsdf.plain.value, unweighted, share);
   }

@@ -6,6 +6,7 @@
 #define REGULUS_LIB_REGULARIZATION_GLSL
 
 #include "lib/bsdf.glsl"
+#include "lib/raised_light.glsl"
 #include "lib/rng.glsl"
 
 // What one vertex is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
@@ -143,7 +144,15 @@ RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
     blended = beta >= 1.0 ? peak
                           : exp_accurate((1.0 - beta) * log_accurate(max(density, 1e-36)) + beta * log_accurate(peak));
   }
-  return RaisedCoat(lobes.coat_weight * density * raised.shadowing, lobes.coat_weight * blended * raised.shadowing);
+  float weight = lobes.coat_weight * reflection_kept(bsdf.energy, bsdf.coat_alpha, alpha, lobes.coat_camera_cosine);
+  return RaisedCoat(weight * density * raised.shadowing, weight * blended * raised.shadowing);
+}
+
+// The factor on the base's lobe raised to this alpha.
+float raised_light_kept(Bsdf bsdf, Lobes lobes, Encounter facet, vec2 alpha) {
+  if (bsdf_has_transmission() && facet.is_refracted)
+    return refraction_kept(bsdf.energy, bsdf.alpha, alpha, lobes.camera_cosine, lobes.is_camera_inside);
+  return reflection_kept(bsdf.energy, bsdf.alpha, alpha, lobes.camera_cosine);
 }
 
 // A regularized lobe at one pair of directions.
@@ -171,14 +180,15 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
     blended = beta >= 1.0 ? peak
                           : exp_accurate((1.0 - beta) * log_accurate(max(density, 1e-36)) + beta * log_accurate(peak));
   }
+  float passed = raised.shadowing * raised_light_kept(bsdf, lobes, facet, alpha);
   RegularizedLobes result;
-  result.value = lobes.diffuse + lobes.weight * (density * raised.shadowing * lobes.value_scale);
+  result.value = lobes.diffuse + lobes.weight * (density * passed * lobes.value_scale);
 
   // Values in luminance and without the eta^2 of radiance: r must not depend on the technique (docs/mathematics.md 3.6).
   float diffuse = dot(lobes.diffuse, LUMINANCE);
   float weight = dot(lobes.weight, LUMINANCE);
   float value = diffuse + weight * lobes.density * lobes.terms.shadowing;
-  float value_in_weights = diffuse + weight * blended * raised.shadowing;
+  float value_in_weights = diffuse + weight * blended * passed;
   if (bsdf_has_coat()) {
     RaisedCoat coat = raise_coat(bsdf, lobes, wo, wi, facet, regularization);
     result.value += coat.value;
@@ -227,7 +237,8 @@ float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
                                             max(alpha, vec2(MIN_ALPHA)), facet.is_refracted);
   float specular = 0.0;
   if (facet.is_valid)
-    specular = dot(lobes.weight, LUMINANCE) * min(raised.density * lobes.density_scale, MAX_DENSITY) * raised.shadowing;
+    specular = dot(lobes.weight, LUMINANCE) * min(raised.density * lobes.density_scale, MAX_DENSITY) * raised.shadowing *
+               raised_light_kept(bsdf, lobes, facet, alpha);
   float peak_scale = 0.25;
   if (bsdf_has_transmission() && facet.is_refracted) {
     float eta = 1.0 / bsdf.inverse_eta;

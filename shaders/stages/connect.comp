@@ -63,7 +63,7 @@ Weighted weighted_value(Frame frame, Connection connection) {
   float worst = min(history_worst(camera_history, counts, at_camera.bound, camera_edge_technique(camera_edges)),
                     history_worst(light_history, counts, at_light.bound, light_edge_technique(light_edges)));
   worst = min(worst, at_camera.bound * at_light.bound / max(square(distance), 1e-12));
-  float share = regularized_share(regularization_of(frame, connection.iteration, true), worst,
+  float share = regularized_share(frame, regularization_of(frame, connection.iteration, true), worst,
                                   camera_history.distance + light_history.distance + distance);
   return Weighted(mix(plain_value * plain_weight, value.value, share), mix(plain_value, value.unweighted, share));
 }

@@ -58,7 +58,7 @@ Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint i
   float worst = min(history_worst(gatherer.history, counts, bsdf.bound, camera_edge_technique(gatherer.edges)),
                     history_worst(light_history, counts, bsdf.bound, light_edge_technique(light_edges)));
   float share =
-      regularized_share(gatherer.regularization, worst, gatherer.history.distance + light_history.distance);
+      regularized_share(frame, gatherer.regularization, worst, gatherer.history.distance + light_history.distance);
   return Weighted(mix(bsdf.plain.value * plain_weight, value.value, share),
                   mix(bsdf.plain.value, value.unweighted, share));
 }

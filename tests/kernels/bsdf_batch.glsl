@@ -21,7 +21,10 @@ Bsdf bsdf_of(BsdfCase c) {
   Bsdf bsdf = make_bsdf(c.material, c.is_front != 0u);
   if (c.alpha.x >= 0.0) bsdf.alpha = c.alpha;
   if (c.sheen != uvec2(0u)) add_sheen(c.sheen, c.material, c.is_front != 0u, bsdf);
-  if (c.tables != uvec2(0u)) cover_base(c.tables, c.material, bsdf);
+  if (c.tables != uvec2(0u)) {
+    find_tables(c.tables, c.material, bsdf);
+    cover_base(c.material, bsdf);
+  }
   return bsdf;
 }
 

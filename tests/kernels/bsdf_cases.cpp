@@ -332,7 +332,8 @@ gpu::Buffer cover_tables(const Model& model) {
   render::RenderSettings settings;
   settings.ndf = model.ndf;
   settings.shadowing = model.shadowing;
-  return render::make_energy_tables(*device(), {plain_material(Kind::Mixed, 1)}, settings);
+  return render::make_energy_tables(*device(), {plain_material(Kind::Mixed, 1)}, settings,
+                                    {.has_rough_bases = true});
 }
 
 void use_sheen(BsdfCase& c) {

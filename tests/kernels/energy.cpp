@@ -48,8 +48,9 @@ std::vector<glm::dvec3> albedos(const Model& model, Material material, bool is_f
   render::RenderSettings settings;
   settings.ndf = model.ndf;
   settings.shadowing = model.shadowing;
-  settings.has_energy_compensation = is_compensated;
-  const gpu::Buffer tables = render::make_energy_tables(*device(), {material}, settings);
+  const gpu::Buffer tables =
+      render::make_energy_tables(*device(), {material}, settings,
+                                 {.has_compensation = is_compensated, .has_rough_bases = !is_compensated});
   std::vector<EnergyCase> cases;
   for (const float roughness : ROUGHNESS)
     for (const float cosine : COSINES) {

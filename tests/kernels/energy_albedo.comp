@@ -23,8 +23,9 @@ void main() {
   if (index >= count) return;
   EnergyCase c = LOAD(EnergyCaseBuffer, inputs, index / parameter);
   Bsdf bsdf = make_bsdf(c.material, c.is_front != 0u);
-  if (compensates_energy()) compensate_energy(c.tables, c.material, bsdf);
-  if (has_rough_base()) cover_base(c.tables, c.material, bsdf);
+  find_tables(c.tables, c.material, bsdf);
+  if (compensates_energy()) compensate_energy(c.material, bsdf);
+  if (has_rough_base()) cover_base(c.material, bsdf);
   vec3 wo = vec3(safe_sqrt((1.0 - c.cosine) * (1.0 + c.cosine)), 0.0, c.cosine);
   // R3 sequence (Roberts 2018).
   uint i = index % parameter;
