@@ -19,7 +19,10 @@ enum class ErrorCode {
 /// element and what to do; what it quotes of files is made printable.
 class Error : public std::runtime_error {
  public:
+  /// @param code what kind of error it is
+  /// @param message one line, see above
   Error(ErrorCode code, const std::string& message);
+  /// What kind of error it is.
   ErrorCode code() const { return code_; }
 
  private:

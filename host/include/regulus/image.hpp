@@ -13,14 +13,17 @@ namespace regulus {
 
 /// A picture, rows from the top.
 struct Picture {
-  uint32_t width = 0, height = 0;
+  uint32_t width = 0;      ///< pixels
+  uint32_t height = 0;     ///< likewise
   std::vector<float> rgb;  ///< linear Rec. 709, interleaved, height * width * 3
   /// AOVs by channel ("albedo.R", "N.X", "Z", "variance.G"; "material" is an integer), height * width each.
   std::map<std::string, std::variant<std::vector<float>, std::vector<uint32_t>>> channels;
   /// What the file's header says of how it was made ("regulus:seed").
   std::map<std::string, std::string> attributes;
-  uint32_t x = 0, y = 0;                     ///< where it lies on the film: a crop
-  uint32_t film_width = 0, film_height = 0;  ///< 0: it is the film
+  uint32_t x = 0;            ///< left edge on the film: more than 0 for a crop
+  uint32_t y = 0;            ///< top edge likewise
+  uint32_t film_width = 0;   ///< pixels of the film; 0: it is the film
+  uint32_t film_height = 0;  ///< likewise
 };
 
 /// Reads R, G and B of an OpenEXR file, and its attributes. @throws Error (BadFile)
@@ -32,13 +35,14 @@ void write_picture(const std::filesystem::path& path, const Picture& picture, fl
 
 /// How far a picture is from a reference.
 struct Comparison {
-  double mse = 0;                                  ///< mean of (a - r)^2 over pixels and channels
-  double relmse = 0;                               ///< mean of (a - r)^2 / (r^2 + 0.01)
-  double mae = 0;                                  ///< mean of |a - r|
-  double psnr = 0;                                 ///< dB
-  double flip = 0;                                 ///< mean HDR-FLIP, 0 to 1
-  std::array<double, 3> mean{}, reference_mean{};  ///< linear RGB
-  uint64_t non_finite = 0;                         ///< values left out
+  double mse = 0;                          ///< mean of (a - r)^2 over pixels and channels
+  double relmse = 0;                       ///< mean of (a - r)^2 / (r^2 + 0.01)
+  double mae = 0;                          ///< mean of |a - r|
+  double psnr = 0;                         ///< dB
+  double flip = 0;                         ///< mean HDR-FLIP, 0 to 1
+  std::array<double, 3> mean{};            ///< of the picture, linear RGB
+  std::array<double, 3> reference_mean{};  ///< of the reference
+  uint64_t non_finite = 0;                 ///< values left out
 };
 
 /// @throws Error (BadFile) if the sizes differ

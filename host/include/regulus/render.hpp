@@ -17,11 +17,14 @@ namespace regulus {
 /// What renders: a Vulkan device, or the scalar reference.
 class Device {
  public:
+  /// As the driver calls it, or "scalar reference".
   std::string name() const;
 
+  /// @cond internal
   struct Impl;
   explicit Device(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
   Impl& impl() const { return *impl_; }
+  /// @endcond
 
  private:
   std::shared_ptr<Impl> impl_;
@@ -29,7 +32,8 @@ class Device {
 
 /// A Vulkan device of this machine.
 struct DeviceDescription {
-  std::string name, driver;
+  std::string name;                  ///< as its driver calls it
+  std::string driver;                ///< name and version
   bool is_software = false;          ///< it runs on the processor
   std::vector<std::string> missing;  ///< what it lacks to be used; empty: nothing
 };
@@ -55,20 +59,22 @@ struct Dropped {
 /// A render with every choice made: the same for each device.
 class Plan {
  public:
-  uint32_t width() const;  ///< pixels that are rendered: of the crop, if there is one
-  uint32_t height() const;
+  uint32_t width() const;                       ///< pixels that are rendered: of the crop, if there is one
+  uint32_t height() const;                      ///< likewise
   uint32_t samples() const;                     ///< per pixel
   std::vector<std::string> techniques() const;  ///< of hit, nee, splat, connect, merge
   double merge_radius() const;                  ///< metres, of the first iteration; 0: nothing is merged
-  std::vector<Dropped> dropped() const;
+  std::vector<Dropped> dropped() const;         ///< of what was asked for
   /// What was changed rather than dropped, one line each.
   std::vector<std::string> warnings() const;
   /// Everything that is done, by the names of a picture's header.
   std::map<std::string, std::string> description() const;
 
+  /// @cond internal
   struct Impl;
   explicit Plan(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   const Impl& impl() const { return *impl_; }
+  /// @endcond
 
  private:
   std::shared_ptr<const Impl> impl_;
@@ -88,17 +94,18 @@ struct Outcome {
   uint32_t samples = 0;      ///< that every pixel has
   double noise = 0;          ///< estimated relative error; NaN if it cannot be told (reference, one sample)
   std::string summary;       ///< size, samples and seconds in words
-  std::vector<std::string> warnings;
+  std::vector<std::string> warnings;  ///< losses and what was changed, one line each
 };
 
 /// Renders a plan. The picture is a function of scene and settings alone: stopping, resuming and memory never
 /// change a sample.
 class Renderer {
  public:
+  /// Takes what it needs of the device's memory when it renders. Keeps plan and device alive.
   Renderer(const Plan& plan, const Device& device);
   ~Renderer();
-  Renderer(Renderer&&) noexcept;
-  Renderer& operator=(Renderer&&) noexcept;
+  Renderer(Renderer&&) noexcept;             ///< only to be destroyed or assigned to afterwards
+  Renderer& operator=(Renderer&&) noexcept;  ///< likewise
 
   /// From now on the state of the render is written to a file every so many seconds and at its end. Device
   /// only.

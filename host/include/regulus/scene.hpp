@@ -30,13 +30,13 @@ struct LoadOptions {
 
 /// A camera. World space is that of the file: right-handed, metres, y up.
 struct Camera {
-  std::string name;
-  std::array<double, 3> position{0, 0, 0};
+  std::string name;                           ///< of the file; may be empty
+  std::array<double, 3> position{0, 0, 0};    ///< metres
   std::array<double, 3> direction{0, 0, -1};  ///< of sight; any length but 0
   std::array<double, 3> up{0, 1, 0};          ///< roughly; not along `direction`
-  bool is_orthographic = false;
-  double vertical_fov = 0.8;  ///< radians, the full angle; perspective
-  double half_height = 1;     ///< metres; orthographic
+  bool is_orthographic = false;               ///< otherwise perspective
+  double vertical_fov = 0.8;                  ///< radians, the full angle; perspective
+  double half_height = 1;                     ///< metres; orthographic
   double aspect_ratio = 0;    ///< width / height that are seen at least, whatever the film; 0: the film's
   double lens_radius = 0;     ///< metres; 0: a pinhole
   double focus_distance = 1;  ///< metres along `direction`
@@ -49,6 +49,7 @@ Camera look_at(Camera camera, const std::array<double, 3>& position, const std::
 /// A scene as it is loaded. Copies share what is in it until one of them is changed.
 class Scene {
  public:
+  /// The file it was read from.
   std::filesystem::path path() const;
   /// What was mended or left out, one line each.
   std::vector<std::string> warnings() const;
@@ -63,15 +64,17 @@ class Scene {
   void set_camera(size_t index, const Camera& camera);
 
   std::array<double, 3> bounds_min() const;  ///< metres, world
-  std::array<double, 3> bounds_max() const;
-  uint64_t triangle_count() const;  ///< with those of each copy
-  size_t material_count() const;
+  std::array<double, 3> bounds_max() const;  ///< likewise
+  uint64_t triangle_count() const;           ///< with those of each copy
+  size_t material_count() const;             ///< of the file
   /// Material names, by index; names may be empty.
   std::vector<std::string> material_names() const;
 
+  /// @cond internal
   struct Impl;
   explicit Scene(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
   const Impl& impl() const { return *impl_; }
+  /// @endcond
 
  private:
   std::shared_ptr<const Impl> impl_;
@@ -84,6 +87,8 @@ Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 /// render of it. Takes about as long as loading; afterwards any number of settings, but for the camera
 /// itself, can be rendered.
 using Prepared = std::shared_ptr<const PreparedScene>;
+
+/// Prepares a scene, which is copied; changing it later changes nothing here.
 Prepared prepare(const Scene& scene);
 
 }  // namespace regulus

@@ -27,12 +27,16 @@ class Settings {
   /// Sets a value, in place of an earlier one. What needs a scene to be understood (camera, size, crop) is
   /// checked by make_plan(), the rest at once. @throws SettingError
   Settings& set(const std::string& name, const std::string& value);
+  /// Sets a value given as text.
   Settings& set(const std::string& name, const char* value) { return set(name, std::string(value)); }
+  /// Sets a flag.
   Settings& set(const std::string& name, bool value) { return set(name, value ? "true" : "false"); }
+  /// Sets a whole number.
   template <std::integral Number>
   Settings& set(const std::string& name, Number value) {
     return set(name, std::to_string(value));
   }
+  /// Sets a number, which keeps all its digits.
   Settings& set(const std::string& name, double value);
 
   /// Leaves a setting to the scene and the defaults again.
