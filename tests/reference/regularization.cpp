@@ -101,7 +101,9 @@ TEST(RaisedLobes, KeepTheirLight) {
       ASSERT_NEAR(raised_alpha(bsdf, wo, wi, regularization).x, kind.raised, 1e-6) << kind.name;
       const double factor = raise(bsdf, wo, wi, nullptr, regularization)->value.y /
                             wide.value(wo, wi, TransportMode::Radiance).y;
-      if (kept >= 0) EXPECT_NEAR(factor, kept, 1e-6 * (1 + kept)) << "it hangs on the camera alone";
+      if (kept >= 0) {
+        EXPECT_NEAR(factor, kept, 1e-6 * (1 + kept)) << "it hangs on the camera alone";
+      }
       kept = factor;
     }
     ASSERT_GE(kept, 0) << kind.name;
