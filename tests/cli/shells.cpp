@@ -4,7 +4,6 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <regex>
 #include <set>
 #include <sstream>
 
@@ -29,6 +28,13 @@ int shell(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
+/// As manual pages write it.
+std::string with_escaped_hyphens(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '-' ? std::string("\\-") : std::string(1, c);
+  return escaped;
+}
+
 /// The commands, as the help of `path` lists them.
 std::vector<std::string> commands_below(Arguments path) {
   path.emplace_back("--help");
@@ -36,11 +42,10 @@ std::vector<std::string> commands_below(Arguments path) {
   std::vector<std::string> commands;
   bool is_list = false;
   for (std::string line; std::getline(help, line);) {
-    std::smatch word;
     if (line.starts_with("Subcommands:"))
       is_list = true;
-    else if (is_list && std::regex_search(line, word, std::regex("^  (\\w\\S*)")))
-      commands.push_back(word[1]);
+    else if (is_list && line.size() > 2 && line.starts_with("  ") && line[2] != ' ')
+      commands.push_back(line.substr(2, line.find(' ', 2) - 2));
   }
   return commands;
 }
@@ -48,11 +53,15 @@ std::vector<std::string> commands_below(Arguments path) {
 /// The long options that the help of a command shows.
 std::set<std::string> options_of(Arguments command) {
   command.emplace_back("--help");
-  const std::string help = run(command).out;
+  std::istringstream help(run(command).out);
   std::set<std::string> options;
-  const std::regex option("(?:^|\n)  (?:-\\w,)?--([a-z][a-z0-9-]*)");
-  for (std::sregex_iterator it(help.begin(), help.end(), option), end; it != end; ++it)
-    options.insert((*it)[1]);
+  for (std::string line; std::getline(help, line);) {
+    // "  --size WxH ..." or "  -o,--output FILE ..."
+    const size_t name = line.size() > 4 && line[2] == '-' && line[4] == ',' ? 5 : 2;
+    if (!line.starts_with("  -") || line.compare(name, 2, "--") != 0) continue;
+    const size_t end = line.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789-", name + 2);
+    options.insert(line.substr(name + 2, end == std::string::npos ? end : end - name - 2));
+  }
   return options;
 }
 
@@ -109,10 +118,12 @@ TEST_F(Shells, KnowEveryOptionOfTheHelp) {
     const std::string bash = "\n" + offered(typed);
     EXPECT_GE(options.size(), 1u) << words;
     for (const std::string& option : options) {
-      std::string name = "\\-\\-" + std::regex_replace(option, std::regex("-"), "\\-");
+      std::string name = "\\-\\-" + with_escaped_hyphens(option);
       EXPECT_NE(manual.find("\\fB" + name + "\\fR"), std::string::npos) << words << " --" << option;
       EXPECT_NE(bash.find("\n--" + option + "\n"), std::string::npos) << words << " --" << option;
-      EXPECT_TRUE(std::regex_search(zsh, std::regex("--" + option + "=?\\["))) << words << " --" << option;
+      EXPECT_TRUE(zsh.find("--" + option + "[") != std::string::npos ||
+                  zsh.find("--" + option + "=[") != std::string::npos)
+          << words << " --" << option;
       EXPECT_NE(fish.find(" -l " + option + " "), std::string::npos) << words << " --" << option;
       ++count;
     }
