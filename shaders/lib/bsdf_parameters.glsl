@@ -29,6 +29,12 @@
 #define has_rough_base() \
   ((1u - spec_energy_compensation) * spec_material_class * (spec_features & FEATURE_ROUGH_BASE) != 0u)
 
+// Any of the three. glslang 12 orders what `||` makes of them wrongly.
+#define uses_energy_tables()                                                                                      \
+  (spec_material_class * (spec_energy_compensation * (spec_features & FEATURE_ROUGH_SPECULAR) +                   \
+                          (1u - spec_energy_compensation) * (spec_features & FEATURE_ROUGH_BASE) +                \
+                          (spec_regularization & REGULARIZATION_ROUGHNESS)) != 0u)
+
 // Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
 const float MIN_ALPHA = 1e-7;
 // Common factor of a microfacet lobe's value and pdfs is kept below this: the quotient stays exact.

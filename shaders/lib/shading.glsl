@@ -195,8 +195,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
     point.bsdf.geometric_normal = to_local(point, point.geometric_normal);
   if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
   if (bsdf_has_sheen()) add_sheen(frame.sheen_table, point.material, point.is_front, point.bsdf);
-  if (compensates_energy() || has_rough_base() || raises_lobes())
-    find_tables(frame.energy_tables, point.material, point.bsdf);
+  if (uses_energy_tables()) find_tables(frame.energy_tables, point.material, point.bsdf);
   if (compensates_energy()) compensate_energy(point.material, point.bsdf);
   if (has_rough_base()) cover_base(point.material, point.bsdf);
   return point;
