@@ -53,6 +53,15 @@ Place place_of(double x) {
   return {node, scaled - node};
 }
 
+/// Linear in both places, of what `node(column, row)` is at the four nodes around.
+template <typename Node>
+auto between(const Place& column, const Place& row, const Node& node) {
+  const auto along = [&](uint32_t r) {
+    return glm::mix(node(column.node, r), node(column.node + 1, r), column.rest);
+  };
+  return glm::mix(along(row.node), along(row.node + 1), row.rest);
+}
+
 double position_of(double cosine, double roughness) {
   const double sine = std::sqrt(std::max(1 - cosine * cosine, 0.0));
   const double sum = cosine + roughness * roughness * sine;
@@ -224,13 +233,8 @@ dvec2 EnergyTables::cover_node(uint32_t index, bool is_inside, uint32_t directio
 }
 
 dvec2 EnergyTables::cover(uint32_t index, double cosine, double roughness, bool is_inside) const {
-  const Place column = cover_column(cosine, double{indices_[index]}, is_inside);
-  const Place row = cover_row(roughness, is_inside);
-  const auto along = [&](uint32_t r) {
-    return glm::mix(cover_node(index, is_inside, column.node, r),
-                    cover_node(index, is_inside, column.node + 1, r), column.rest);
-  };
-  return glm::mix(along(row.node), along(row.node + 1), row.rest);
+  return between(cover_column(cosine, double{indices_[index]}, is_inside), cover_row(roughness, is_inside),
+                 [&](uint32_t column, uint32_t row) { return cover_node(index, is_inside, column, row); });
 }
 
 dvec2 EnergyTables::cover_row_mean(uint32_t index, bool is_inside, uint32_t row) const {
@@ -269,13 +273,9 @@ double EnergyTables::refracted_node(uint32_t index, bool is_inside, uint32_t dir
 }
 
 double EnergyTables::refracted(uint32_t index, double cosine, double roughness, bool is_inside) const {
-  const Place column = cover_column(cosine, double{indices_[index]}, is_inside);
-  const Place row = cover_row(roughness, true);
-  const auto along = [&](uint32_t r) {
-    return std::lerp(refracted_node(index, is_inside, column.node, r),
-                     refracted_node(index, is_inside, column.node + 1, r), column.rest);
-  };
-  return std::lerp(along(row.node), along(row.node + 1), row.rest);
+  return between(
+      cover_column(cosine, double{indices_[index]}, is_inside), cover_row(roughness, true),
+      [&](uint32_t column, uint32_t row) { return refracted_node(index, is_inside, column, row); });
 }
 
 double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const {
@@ -287,13 +287,8 @@ double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction,
 }
 
 double EnergyTables::plane(uint32_t index, uint32_t quantity, double x, double roughness) const {
-  const Place column = place_of(x);
-  const Place row = place_of(roughness);
-  const auto along = [&](uint32_t r) {
-    return std::lerp(node(index, quantity, column.node, r), node(index, quantity, column.node + 1, r),
-                     column.rest);
-  };
-  return std::lerp(along(row.node), along(row.node + 1), row.rest);
+  return between(place_of(x), place_of(roughness),
+                 [&](uint32_t column, uint32_t row) { return node(index, quantity, column, row); });
 }
 
 double EnergyTables::row_mean(uint32_t index, uint32_t quantity, uint32_t row) const {

@@ -52,16 +52,17 @@ float energy_mean(EnergyTables tables, uint first) {
   return mix(energy_word(tables, first + node), energy_word(tables, first + node + 1u), place - float(node));
 }
 
+// Linear between the four words around, of which `corner` is the first. rest: where between columns and between rows.
+float energy_between(EnergyTables tables, uint corner, vec2 rest) {
+  float low = mix(energy_word(tables, corner), energy_word(tables, corner + 1u), rest.x);
+  float high = mix(energy_word(tables, corner + ENERGY_NODES), energy_word(tables, corner + ENERGY_NODES + 1u), rest.x);
+  return mix(low, high, rest.y);
+}
+
 float energy_plane(EnergyTables tables, uint first, float x) {
-  float place = clamp(x, 0.0, 1.0) * float(ENERGY_NODES - 1u);
-  uint node = min(uint(place), ENERGY_NODES - 2u);
-  float row = clamp(tables.roughness, 0.0, 1.0) * float(ENERGY_NODES - 1u);
-  uint below = min(uint(row), ENERGY_NODES - 2u);
-  uint corner = first + below * ENERGY_NODES + node;
-  float low = mix(energy_word(tables, corner), energy_word(tables, corner + 1u), place - float(node));
-  float high = mix(energy_word(tables, corner + ENERGY_NODES), energy_word(tables, corner + ENERGY_NODES + 1u),
-                   place - float(node));
-  return mix(low, high, row - float(below));
+  vec2 place = clamp(vec2(x, tables.roughness), 0.0, 1.0) * float(ENERGY_NODES - 1u);
+  uvec2 node = min(uvec2(place), uvec2(ENERGY_NODES - 2u));
+  return energy_between(tables, first + node.y * ENERGY_NODES + node.x, place - vec2(node));
 }
 
 // Where a direction with this cosine lies in the planes of energy.

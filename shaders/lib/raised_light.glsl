@@ -12,15 +12,10 @@
 
 // T
 float refracted_share(EnergyTables tables, float cosine, bool is_inside) {
-  float place = cover_column(cosine, tables.critical, is_inside);
-  uint node = min(uint(place), ENERGY_NODES - 2u);
-  float row = cover_row(tables, true);
-  uint below = min(uint(row), COVER_ROWS - 2u);
-  uint corner = tables.first + ENERGY_REFRACTED + (is_inside ? REFRACTED_SIDE_WORDS : 0u) + below * ENERGY_NODES + node;
-  float low = mix(energy_word(tables, corner), energy_word(tables, corner + 1u), place - float(node));
-  float high = mix(energy_word(tables, corner + ENERGY_NODES), energy_word(tables, corner + ENERGY_NODES + 1u),
-                   place - float(node));
-  return mix(low, high, row - float(below));
+  vec2 place = vec2(cover_column(cosine, tables.critical, is_inside), cover_row(tables, true));
+  uvec2 node = min(uvec2(place), uvec2(ENERGY_NODES - 2u, COVER_ROWS - 2u));
+  uint first = tables.first + ENERGY_REFRACTED + (is_inside ? REFRACTED_SIDE_WORDS : 0u);
+  return energy_between(tables, first + node.y * ENERGY_NODES + node.x, place - vec2(node));
 }
 
 EnergyTables with_alpha(EnergyTables tables, vec2 alpha) {
