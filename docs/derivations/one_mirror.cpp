@@ -112,17 +112,16 @@ int main() {
   printf(
       "(2) progressive, 200 samples/iteration, alpha_1=0.4: rel RMSE over 60 runs; schedules: fixed | a_i=a1 "
       "i^-1/6 (KD13, tau_peak~i^1/3) | a_i=a1 i^-1/12 (eq.16 tau fed into the Smith 1/a^4 bound) | i^-1/4\n");
-  for (D ex : {0., 1 / 6., 1 / 12., 1 / 4.}) {
+  const auto progressive = [&](D ex, const vector<int>& counts, int runs, int paths) {
     printf("   exponent -%.4f :", ex);
-    for (int n : {16, 64, 256, 1024, 4096}) {
+    for (int n : counts) {
       D mse = 0, bias = 0;
-      int runs = 60;
       for (int r = 0; r < runs; r++) {
         D acc = 0;
         for (int i = 1; i <= n; i++) {
           D ah = 0.4 * pow(i, -ex), s = 0;
-          for (int k = 0; k < 200; k++) s += sample(ah);
-          acc += s / 200;
+          for (int k = 0; k < paths; k++) s += sample(ah);
+          acc += s / paths;
         }
         D e = acc / n / Eex - 1;
         mse += e * e;
@@ -131,29 +130,11 @@ int main() {
       printf("  n=%d rmse %.4f bias %+.4f", n, sqrt(mse / runs), bias / runs);
     }
     printf("\n");
-  }
+  };
+  for (D ex : {0., 1 / 6., 1 / 12., 1 / 4.}) progressive(ex, {16, 64, 256, 1024, 4096}, 60, 200);
   keeps = true;
   printf("(2, light kept)\n");
-  for (D ex : {0., 1 / 6.}) {
-    printf("   exponent -%.4f :", ex);
-    for (int n : {16, 256, 2048}) {
-      D mse = 0, bias = 0;
-      int runs = 200;
-      for (int r = 0; r < runs; r++) {
-        D acc = 0;
-        for (int i = 1; i <= n; i++) {
-          D ah = 0.4 * pow(i, -ex), s = 0;
-          for (int k = 0; k < 1024; k++) s += sample(ah);
-          acc += s / 1024;
-        }
-        D e = acc / n / Eex - 1;
-        mse += e * e;
-        bias += e;
-      }
-      printf("  n=%d rmse %.4f bias %+.4f", n, sqrt(mse / runs), bias / runs);
-    }
-    printf("\n");
-  }
+  for (D ex : {0., 1 / 6.}) progressive(ex, {16, 256, 2048}, 200, 1024);
   printf("(3) eq.16 schedule tau_i=1/(2pi(1-cos(atan(i^-1/6 tan th0)))):");
   for (D t0 : {1., 30.}) {
     D th = acos(1 - 1 / (2 * PI * t0));
