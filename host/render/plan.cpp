@@ -43,7 +43,7 @@ void choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
   if (asked.techniques) {
     plan.techniques = *asked.techniques;
     plan.techniques_rule = "given";
-    // Measured: merging finds what regularization would, and gains nothing from it (docs/results.md).
+    // Measured: merging finds what regularization would, and gains nothing from it (docs/results/error.md).
     const bool has_merges = (plan.techniques & TECHNIQUE_MERGE) != 0;
     plan.regularization =
         asked.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);

@@ -28,7 +28,7 @@ constexpr double MOST_PIXELS = 1 << 22;
 // A set that is expected to be that near to the best is as good, as far as the probe can tell.
 constexpr double AS_GOOD = 1.15;
 
-// Fitted to ratios of processor time of bpt, bpm and vcm to pt on five scenes (docs/results.md).
+// Fitted to ratios of processor time of bpt, bpm and vcm to pt on five scenes (docs/results/speed.md).
 double cost_of(const probe::Work& work) {
   return work.camera_rays + 1.1 * work.light_rays + 0.4 * work.light_samples +
          0.7 * (work.splats + work.pairs) + 0.4 * work.lookups + 0.1 * work.merges;

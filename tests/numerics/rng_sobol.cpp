@@ -255,8 +255,8 @@ double variance_ratio(uint32_t count, uint32_t streams, double variance, const F
 
 // The price of nested shuffles: samples 2k and 2k + 1 lie in opposite halves in every block, so the sign of a
 // product is the same for both, and has twice the variance of independent ones. A linear factor is a sum of
-// such signs for each digit, of variances 3/4, 3/16, ..: 1 + (3/4)^2 + 2 (3/32)^2. docs/results.md says why
-// other orders are no better.
+// such signs for each digit, of variances 3/4, 3/16, ..: 1 + (3/4)^2 + 2 (3/32)^2. docs/results/error.md says
+// why other orders are no better.
 TEST(Sobol, ProductsOfBlocksHaveTheVarianceOfPairedSamples) {
   constexpr uint32_t STREAMS = 10000;
   const double linear =

@@ -1,7 +1,7 @@
 // Directional albedo of every lobe against the formulas of the glTF 2.0 specification's appendix B (B.3.2 to
 // B.3.6) and of KHR_materials_clearcoat and KHR_materials_transmission, integrated here on their own: what of
-// the difference is which choice of this model. docs/results.md explains the choices and holds the table that
-// this test prints.
+// the difference is which choice of this model. docs/results/correctness.md explains the choices and holds
+// the table that this test prints.
 //
 // Where the model is given the specification's shadowing and the specification the exact Fresnel reflectance,
 // both must agree to the error of the quadrature.

@@ -172,7 +172,7 @@ TEST(TechniqueChoice, IsTheSameForEveryPartOfARender) {
   EXPECT_EQ(make_plan(prepared, whole).techniques, all.techniques);
 }
 
-// Scenes for which docs/results.md says what pays.
+// Scenes for which docs/results/error.md says what pays.
 TEST(TechniqueChoice, SuitsScenesThatAreKnown) {
   const auto chosen_for = [](const char* name) {
     const std::filesystem::path file = own_scenes() / name / (std::string(name) + ".gltf");
