@@ -43,7 +43,7 @@ void add_positions(const std::vector<AovPixel>& pixels, const glm::dvec3& origin
     });
 }
 
-/// Indices count from 1: INVALID_INDEX becomes 0.
+/// Writes 1 + index, so that INVALID_INDEX becomes 0.
 void add_indices(const std::vector<AovPixel>& pixels, const char* name, uint32_t AovPixel::*index,
                  image::Channels& channels) {
   channels[name] = values_of<uint32_t>(pixels, [&](const AovPixel& pixel) { return pixel.*index + 1; });

@@ -46,7 +46,7 @@ uint64_t bytes_of(const std::vector<T>& values) {
   return values.size() * sizeof(T);
 }
 
-/// Refuses before anything is allocated; hands the scene on.
+/// Returns the scene, or refuses it before anything is allocated.
 const scene::Scene& require_memory(const gpu::Device& device, const PreparedScene& prepared) {
   const scene::Scene& scene = prepared.scene;
   const bvh::Bvh& bvh = prepared.bvh;

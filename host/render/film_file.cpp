@@ -115,7 +115,7 @@ void add(Film& film, const Film& other) {
     for (size_t word = 0; word < sums.size(); ++word) {
       if (word % 3 == 0) carry = 0;  // the next sum of three words
       carry += uint64_t{sums[word]} + more[word];
-      // Two marks of saturation would carry each other away.
+      // The saturation bits of two sums would carry each other out of the word.
       if (word % 3 == 2) carry = std::min(carry, uint64_t{FILM_SATURATED});
       sums[word] = static_cast<uint32_t>(carry);
       carry >>= 32;

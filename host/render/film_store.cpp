@@ -11,7 +11,7 @@ namespace {
 // A snapshot of the film is taken when the last one is so many times as old as it took to make, but not more
 // often than every LEAST_SNAPSHOT_SECONDS.
 constexpr double SNAPSHOT_AGE = 50, LEAST_SNAPSHOT_SECONDS = 0.25;
-constexpr double FIRST_BYTES_PER_SECOND = 1e9;  // that a snapshot copies, before it has been measured
+constexpr double FIRST_BYTES_PER_SECOND = 1e9;  // assumed for a snapshot until one has been measured
 
 }  // namespace
 
@@ -88,7 +88,7 @@ void FilmStore::restore(const Film& film) {
   film_ = film;
 }
 
-// The mean of one of a strategy's two films, number `index` in the buffer.
+// The mean of one of a strategy's two films, which is number `index` in the buffer.
 image::Image FilmStore::strategy_image(const Strategy& strategy, uint64_t index) const {
   const uint64_t words = wavefront_.pixels * FILM_WORDS_PER_PIXEL;
   const auto sums = gpu::download_all<uint32_t>(wavefront_.device, wavefront_.buffers.strategy_film, words,

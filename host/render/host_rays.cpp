@@ -104,7 +104,7 @@ QueueHeads& HostRays::heads_of(uint32_t bounce) const {
   return contents<QueueHeads>(buffers_.queue_heads)[bounce];
 }
 
-// What shaders/stages/trace_closest.comp does.
+// Does what shaders/stages/trace_closest.comp does.
 void HostRays::trace_closest(Pass pass, uint32_t bounce) {
   QueueHeads& heads = heads_of(bounce);
   const uint32_t* queue = contents<uint32_t>(buffers_.ray_queues) + uint64_t{bounce & 1} * capacity_;

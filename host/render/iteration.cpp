@@ -13,8 +13,8 @@ uint32_t Iteration::expect_light_vertices() {
   return vertices;
 }
 
-// Nothing is read back before all of it is under way. If not all vertices could be stored the walk is
-// repeated with room for them: what it stores and what it splats is the same every time.
+// Nothing is read back before the whole pass is under way. If not all vertices could be stored, the walk is
+// repeated with room for them; it stores and splats the same every time.
 uint32_t Iteration::run_light_pass(uint64_t sample, uint64_t repeated) {
   const Plan& plan = wavefront_.plan;
   WavefrontBuffers& buffers = wavefront_.buffers;
@@ -47,8 +47,8 @@ void Iteration::walk_light_paths(uint64_t sample, uint64_t repeated) {
   walk(repeated, wavefront_.plan.light_paths, false);
 }
 
-// Makes the light vertices findable by place and by number. How many there are the device knows; stages run
-// over as many as there is room for.
+// Sorts the light vertices, so that they can be found by place and by number. The device knows how many there
+// are; stages are dispatched for as many as there is room for.
 void Iteration::sort_light_vertices(uint64_t sample) {
   const Plan& plan = wavefront_.plan;
   const WavefrontBuffers& buffers = wavefront_.buffers;
@@ -65,7 +65,7 @@ void Iteration::sort_light_vertices(uint64_t sample) {
   wavefront_.run_over(Pass::Grid, Stage::GridScatter, arguments, vertices);
 }
 
-// How many light vertices there are, and how many of them may be in reach of a merge.
+// Reads how many light vertices there are, and how many of them may be in reach of a merge.
 uint32_t Iteration::read_counts() {
   wavefront_.work.finish();
   const auto words = gpu::download_all<uint32_t>(wavefront_.device, wavefront_.buffers.light_vertex_count,

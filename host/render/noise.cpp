@@ -7,7 +7,8 @@ namespace regulus::render {
 
 namespace {
 
-// The earlier state tells something of a later one with this part more samples; a few say little of the rest.
+// A state is compared with an earlier one once it has at least this part more samples (a quarter): fewer new
+// samples would say little.
 constexpr uint64_t LEAST_SHARE = 4;
 
 }  // namespace

@@ -21,8 +21,8 @@ namespace {
 constexpr uint32_t EMITTERS = FEATURE_TRIANGLE_LIGHTS | FEATURE_ENVIRONMENT;  // that rays can meet
 constexpr uint32_t LIGHTS = EMITTERS | FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS;
 
-// Why regularization would change nothing; empty if it does. Known for BOUND_PEAK alone, whose alpha does not
-// depend on directions.
+// Why regularization would change nothing; empty if it would change something. Can be told only for
+// BOUND_PEAK, whose alpha does not depend on directions.
 std::string why_not_regularized(const Plan& plan) {
   if (std::isinf(plan.tau)) return "tau is infinite";
   // alpha_tau of docs/mathematics.md 2.2: 1 / sqrt(4 pi tau) for reflection, n / |n - 1| / sqrt(pi tau) for
@@ -37,7 +37,7 @@ std::string why_not_regularized(const Plan& plan) {
   return fmt::format("no lobe is sharper than tau {:g} allows", plan.tau);
 }
 
-// What `auto` chooses takes the place of what was not said.
+// Where the settings leave a choice open, `auto` makes it.
 void choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
   const RenderSettings& asked = plan.asked;
   if (asked.techniques) {
@@ -105,7 +105,7 @@ bool has(const Plan& plan, uint32_t techniques) {
   return (plan.techniques & techniques) != 0;
 }
 
-// What follows from the choices.
+// Decides how waves run, which follows from the choices.
 void plan_waves(Plan& plan) {
   plan.connections_per_vertex = !has(plan, TECHNIQUE_CONNECT) ? 0
                                 : plan.cache_connections != 0

@@ -7,7 +7,7 @@
 namespace regulus::render {
 
 reference::Settings reference_settings(const Plan& plan) {
-  // Shares with and without regularization are two contributions to the reference, and one to the device.
+  // With and without regularization are two contributions in the reference, and a single one on the device.
   if (std::isfinite(plan.largest_contribution) &&
       ((plan.regularization & interface::REGULARIZATION_BOTH) != 0 ||
        plan.sampler_quality != interface::SAMPLER_QUALITY_OFF))

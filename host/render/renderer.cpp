@@ -17,7 +17,7 @@ using namespace interface;
 
 namespace {
 
-// Where states of the film are wanted while it grows, each has at most so many times the paths of the last.
+// Where states of a growing film are wanted, each has at most this many times the paths of the one before.
 constexpr double SNAPSHOT_GROWTH = 1.5;
 
 }  // namespace
@@ -60,7 +60,8 @@ struct Renderer::Impl {
     return std::max(pixels, static_cast<uint64_t>(SNAPSHOT_GROWTH * static_cast<double>(store.film().paths)));
   }
 
-  // A state halfway lets the last one tell its noise (render/noise.hpp), however short the render.
+  // With a state from halfway, the noise of the last one can be estimated (render/noise.hpp), however short
+  // the render.
   uint64_t paths_of_half() const { return plan.samples / 2 * pixels; }
 
   bool is_half_due() const { return store.film().paths < paths_of_half() && finished() >= paths_of_half(); }
@@ -69,7 +70,7 @@ struct Renderer::Impl {
     const bool has_grown = is_half_due() || (plan.keeps_doublings && finished() >= paths_of_next_state());
     if (!has_grown && !store.is_snapshot_due()) return;
     wavefront.work.finish();
-    // A sample that is still to be squared makes no state to go on from.
+    // While a sample is still to be squared, the film is no state to go on from.
     if (plan.keeps(STATE_SQUARES) && finished() % pixels == 0 && finished() != squared) return;
     store.take_snapshot(scheduler.finished());
   }

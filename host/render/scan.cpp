@@ -40,7 +40,7 @@ uint64_t Scan::words_needed(uint64_t count) {
 
 void Scan::record(gpu::CommandList& commands, const gpu::Buffer& words, uint32_t count) const {
   const std::vector<Level> levels = levels_of(count);
-  // In as many dispatches as the device's limit asks for.
+  // Records a step of the scan, in as many dispatches as the device's limit requires.
   const auto dispatch = [&](const gpu::Kernel& kernel, const Level& level, uint32_t sums) {
     constexpr uint32_t PER_GROUP = WORKGROUP_SIZE * SCAN_FAN;
     const uint64_t most = most_groups_ * PER_GROUP;

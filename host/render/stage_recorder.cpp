@@ -40,7 +40,7 @@ Plan plan_recording(const PreparedScene& prepared, RenderSettings settings, uint
 
 namespace {
 
-// Observers watch the wave core and the iteration that render, and copy what lies in the arrays.
+// Observers watch the wave core and the iteration of a real render, and copy what lies in the arrays.
 
 /// What a watched render leaves in device memory.
 class Memory {
@@ -152,11 +152,11 @@ class WaveObserver : public StageObserver {
         buffers.candidates, memory_.queue_count(arguments.bounce, Queue::Visibility));
     bounce.candidate_media = memory_.media(buffers.candidate_media, bounce.candidates.size());
     bounce.radiance_before_visibility = memory_.by_slot<glm::vec3>(buffers.radiance);
-    bounce.radiance = bounce.radiance_before_visibility;  // without light samples nothing comes on top
+    bounce.radiance = bounce.radiance_before_visibility;  // the same, unless light samples add to it
   }
 
-  // Segments along the rays of the bounce of `share` times the distance to what they hit. Of each path there
-  // is one, and its radiance tells whether it is open.
+  // Probes segments along the bounce's rays, of `share` times the distance to what they hit. Each path has
+  // one, and its radiance tells whether the segment is open.
   void probe(const StageArguments& arguments, float share, RecordedBounce& bounce) {
     const WavefrontBuffers& buffers = memory_.buffers();
     std::vector<VisibilityCandidate> segments;
@@ -185,7 +185,7 @@ class WaveObserver : public StageObserver {
   Recording& recording_;
 };
 
-/// Records the light pass of an iteration, the last time that its light paths are walked.
+/// Records the light pass of an iteration; if its light paths are walked more than once, the last time.
 class LightPassObserver : public StageObserver {
  public:
   LightPassObserver(const Memory& memory, ConnectionRecording& recording)

@@ -24,7 +24,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, 
     pipeline.push_back({step, {}});
     const bool is_on_host = rays == RAYS_HOST && HostRays::traces(step);
     if (is_on_host && !HostRays::needs_kernel(step)) continue;
-    // What shades whatever it meets needs the most general class.
+    // A pass that shades whatever it meets needs the most general class.
     const uint32_t material_class = step.pass == Pass::Surface         ? MATERIAL_CLASS_TRANSMISSIVE
                                     : step.material_class == ANY_CLASS ? 0
                                                                        : step.material_class;

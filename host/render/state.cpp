@@ -37,7 +37,7 @@ uint64_t light_paths_of(const Plan& plan, uint64_t paths) {
   return plan.is_per_wave ? paths : plan.light_paths;
 }
 
-// How many of PER_* there are.
+// Number of elements of PER_*.
 uint64_t count(uint32_t per, const Plan& plan, const StateSizes& sizes) {
   switch (per) {
     case PER_RENDER:
@@ -77,7 +77,7 @@ bool is_kept(const StateArray& array, const Plan& plan) {
   return array.when == STATE_ALWAYS || plan.keeps(array.when);
 }
 
-// What one path slot brings with it.
+// The sizes that one path slot adds.
 StateSizes sizes_of_a_path(const Plan& plan) {
   const bool has_own_vertices = plan.keeps(STATE_VERTICES) && plan.is_per_wave;
   return {.paths = 1, .light_vertices = has_own_vertices ? vertices_per_path(plan) : 0};
@@ -129,7 +129,7 @@ uint32_t choose_state(const Plan& plan) {
   return state;
 }
 
-// One edge at least leads to the camera.
+// At least one edge of a path leads to the camera.
 uint64_t vertices_per_path(const Plan& plan) {
   return std::max(plan.max_depth, 2u) - 1;
 }

@@ -24,7 +24,7 @@ std::vector<Strategy> list_strategies(uint32_t techniques, uint32_t max_depth) {
     add(TECHNIQUE_HIT, 0, edges + 1);
     if (edges >= 2) add(TECHNIQUE_NEE, 1, edges);
     for (uint32_t s = 2; s + 1 <= edges; ++s) add(TECHNIQUE_CONNECT, s, edges + 1 - s);
-    // An emitter in sight is splatted only where it cannot be hit.
+    // An emitter that the camera sees directly is splatted only where no technique hits it.
     if (edges >= 2 || (techniques & TECHNIQUE_HIT) == 0) add(TECHNIQUE_SPLAT, edges, 1);
     for (uint32_t s = 2; s <= edges; ++s) add(TECHNIQUE_MERGE, s, edges + 2 - s);
   }

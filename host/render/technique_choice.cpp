@@ -16,16 +16,16 @@ namespace {
 constexpr uint32_t PATH_TRACING = TECHNIQUE_HIT | TECHNIQUE_NEE;
 
 constexpr uint32_t PROBE_PIXELS = 1024, PROBE_SAMPLES = 4;
-// The render for which is chosen has so many samples. The iterations that are probed are about the middle of
-// it: their radius and raised roughness are those of most of its samples.
+// Sets are chosen for a render of this many samples. The probed iterations are about the middle of it, so
+// that their radius and raised roughness are those of most of its samples.
 constexpr double NOMINAL_SAMPLES = 64;
 constexpr uint32_t PROBED_ITERATION = 24;
-constexpr double MOST_OF_A_PATH = 16;  // times the scale of its tile
+constexpr double MOST_OF_A_PATH = 16;  // largest value of a path, in scales of its tile
 constexpr double NOTHING = 1e-4;       // share of the light that may be missed for good
-// Merges are judged as those of a film of at most so many pixels: on larger ones they are found in plenty,
-// and to find as many would take as long as a picture.
+// Merges are judged as on a film of at most this many pixels: on larger films they are found in plenty, and
+// to find as many would take as long as a picture.
 constexpr double MOST_PIXELS = 1 << 22;
-// A set that is expected to be that near to the best is as good, as far as the probe can tell.
+// As far as the probe can tell, a set whose expected error is within this factor of the best is as good.
 constexpr double AS_GOOD = 1.15;
 
 // Fitted to ratios of processor time of bpt, bpm and vcm to pt on five scenes (docs/results/speed.md).
@@ -58,14 +58,14 @@ Plan plan_probe(const PreparedScene& prepared, const RenderSettings& asked, uint
   small.cache_connections = 0;
   shrink_film(small);
   Plan plan = make_plan(prepared, small);
-  // Fewer light paths merge as often as all of them do if they are seen from farther away.
+  // Fewer light paths merge as often as all of them would, with a radius that is larger accordingly.
   const double pixels = std::min(static_cast<double>(asked.width) * asked.height, MOST_PIXELS);
   const double probed_pixels = static_cast<double>(small.width) * small.height;
   plan.merge_radius *= static_cast<float>(std::sqrt(pixels / probed_pixels));
   return plan;
 }
 
-// Every set of the techniques that were probed that has all of PATH_TRACING that was.
+// Every set of probed techniques that includes all probed techniques of PATH_TRACING.
 std::vector<uint32_t> sets_of(uint32_t techniques) {
   std::vector<uint32_t> sets;
   const uint32_t always = techniques & PATH_TRACING;
@@ -74,7 +74,7 @@ std::vector<uint32_t> sets_of(uint32_t techniques) {
   return sets;
 }
 
-// What is judged by: the findings without regularization.
+// What sets are judged by: the findings without regularization.
 struct Truth {
   std::vector<double> scales;  // of the tiles
   std::vector<probe::TileMeans> means;
@@ -90,7 +90,7 @@ Truth take_truth(probe::Findings& findings) {
 void add_candidates(const probe::Findings& findings, const Truth& truth, uint32_t regularization,
                     std::vector<Candidate>& candidates) {
   for (const uint32_t set : sets_of(findings.techniques)) {
-    // Regularization finds all light, ever more sharply; without it some sets never do.
+    // With regularization a set finds all light, ever more sharply; without it some sets never find it.
     const bool converges = regularization != REGULARIZATION_NONE || missing_share(findings, set) <= NOTHING;
     candidates.push_back({set, regularization,
                           converges
@@ -100,7 +100,8 @@ void add_candidates(const probe::Findings& findings, const Truth& truth, uint32_
   }
 }
 
-// Of those that are as good as the best the cheapest; without regularization where that makes no difference.
+// The cheapest of the sets that are as good as the best; without regularization where that makes no
+// difference.
 const Candidate& choose(const std::vector<Candidate>& candidates) {
   const double least =
       std::ranges::min(candidates, {}, &Candidate::error_at_equal_time).error_at_equal_time();

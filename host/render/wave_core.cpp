@@ -10,8 +10,8 @@ using namespace interface;
 
 namespace {
 
-// After so many bounces the host asks how many paths are left, which bounds all later ones. Most renders end
-// before.
+// After this many bounces the host asks how many paths are left, which bounds all later bounces. Most renders
+// end before.
 constexpr uint32_t BOUNCES_BETWEEN_COUNTS = 16;
 constexpr uint64_t UNITS_OFFSET = LIGHT_COUNT_UNITS * sizeof(uint32_t);  // in the light vertex count
 // Looking at a light vertex takes a 32nd of the time of a ray, finding those in reach an eighth.
@@ -89,7 +89,7 @@ void WaveCore::for_each_step(Pass pass, const StageArguments& arguments, const I
   if (previous != nullptr) watch_.after(pass, previous->step.stage, arguments);
 }
 
-// Every step that runs once in a wave, to this extent, on the list at hand.
+// Records every step of this extent that runs once in a wave.
 void WaveCore::record_ends(Pass pass, Extent extent, const StageArguments& arguments) {
   const uint32_t groups = extent == Extent::Once ? 1 : groups_of(arguments.wave_paths);
   for_each_step(
@@ -115,7 +115,7 @@ void WaveCore::record_bounce(Pass pass, const StageArguments& arguments, uint64_
   });
 }
 
-// If rays of the step are the host's: traces them, once all that was recorded before has run.
+// If the host traces the step's rays: does so, once everything recorded before has run.
 bool WaveCore::trace_on_host(const StageStep& step, uint32_t bounce) {
   if (host_rays_ == nullptr || !HostRays::traces(step)) return false;
   work_.finish();
@@ -137,7 +137,7 @@ void WaveCore::run_bounce(Pass pass, StageArguments arguments, uint64_t live, ui
     run_counted_bounce(pass, arguments, live, merges, reach);
 }
 
-// What may be too much for a submission is counted, once it is known what it is, and cut.
+// Runs a bounce whose work may be too much for a submission: the work is counted once it is known, and cut.
 void WaveCore::run_counted_bounce(Pass pass, const StageArguments& arguments, uint64_t live,
                                   bool counts_merges, uint64_t reach) {
   const auto is_walk = [&](const StageStep& step) {

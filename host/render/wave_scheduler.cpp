@@ -8,7 +8,7 @@ using namespace interface;
 
 namespace {
 
-// The first wave is small, so that a bad surprise is a small one.
+// The first wave is small, so that a surprise (a slow device, an early Ctrl-C) costs little.
 constexpr uint32_t FIRST_WAVE_PATHS = 1u << 14;
 
 }  // namespace

@@ -9,7 +9,7 @@ using namespace interface;
 
 namespace {
 
-// What one submission may hold at the least: a wave of the size that was asked for, or else a group of paths.
+// The least bound of a submission: a wave of the size that was asked for, or else a group of paths.
 uint64_t least_bound(const Plan& plan, uint32_t capacity) {
   return ITEMS_PER_PATH * (plan.wave_paths != 0 ? capacity : WORKGROUP_SIZE);
 }

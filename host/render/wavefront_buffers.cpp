@@ -15,7 +15,7 @@ using namespace interface;
 
 namespace {
 
-// Light vertices per light path that are made room for before the first count is known.
+// Before the first count is known there is room for this many light vertices per light path.
 constexpr uint64_t EXPECTED_VERTICES = 4;
 constexpr uint64_t MAX_GRID_CELLS = 1u << 24;
 
@@ -89,7 +89,8 @@ void WavefrontBuffers::for_each_array(const Visit& visit) {
 #undef STATE
 }
 
-// The arrays that grow with the light vertices, or all others. What they held before is freed first.
+// Allocates the arrays that grow with the light vertices, or all others. What they held before is freed
+// first.
 void WavefrontBuffers::allocate(gpu::Device& device, bool by_light_vertex) {
   for_each_array([&](const StateArray& row, gpu::Buffer& buffer, DeviceAddress& address) {
     if (is_by_light_vertex(row) != by_light_vertex) return;

@@ -13,8 +13,8 @@ constexpr size_t MOST_IN_FLIGHT = 2;
 // A software device has no watchdog; four stages of SOFTWARE_WAVE_PATHS take it .1 to .5 s.
 constexpr uint64_t SOFTWARE_ITEMS = uint64_t{1} << 18;
 constexpr uint64_t FIRST_ITEMS = uint64_t{1} << 18, MOST_ITEMS = uint64_t{1} << 26;
-// A full submission that is shorter doubles the bound, a longer one halves it: the 200 ms at which watchdogs
-// of interactive systems get nervous stay far.
+// A full submission that is shorter than the first doubles the bound, one that is longer than the second
+// halves it: far from the 200 ms at which watchdogs of interactive systems become a danger.
 constexpr double SHORT_MS = 25, LONG_MS = 100;
 
 double now() {
@@ -82,7 +82,7 @@ void WorkQueue::wait_for_oldest() {
   }
   statistics_.device_seconds += 1e-3 * device_ms;
   statistics_.submissions.longest_ms = std::max(statistics_.submissions.longest_ms, device_ms);
-  // The device had this one at hand when the one before it ended.
+  // The device began this submission when the one before it ended.
   const double end = now();
   adapt(oldest.items, 1e3 * (end - last_end_));
   last_end_ = end;

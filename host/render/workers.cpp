@@ -34,7 +34,7 @@ void Workers::run(uint32_t count, uint32_t grain, const std::function<void(uint3
   take_part();
   std::unique_lock lock(mutex_);
   ends_.wait(lock, [&] { return busy_ == 0; });
-  body_ = nullptr;  // who wakes up now has come too late
+  body_ = nullptr;  // a thread that wakes up only now is too late
 }
 
 void Workers::wait_for_loops() {

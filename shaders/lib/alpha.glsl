@@ -1,7 +1,7 @@
-// What traversal knows of a scene beside its tree: where its instances are, and which surfaces are only partly there.
-// Include this before lib/traversal.glsl. At surfaces that are partly there rays decide by a hash of themselves whether
-// they meet one (as in pbrt-v4), so that closest-hit and shadow rays agree and a picture does not depend on how the work
-// is cut.
+// What traversal needs to know of a scene besides its tree: where its instances are, and which surfaces are only partly
+// there. Include this before lib/traversal.glsl. Whether a ray meets a surface that is partly there is decided by a hash
+// of the ray (as in pbrt-v4), so that closest-hit and shadow rays agree and a picture does not depend on how the work is
+// cut.
 #ifndef REGULUS_LIB_ALPHA_GLSL
 #define REGULUS_LIB_ALPHA_GLSL
 
@@ -9,7 +9,7 @@
 #include "lib/rng.glsl"
 #include "lib/stage.glsl"
 
-// Whether a ray meets the surface of a triangle there, or passes.
+// Whether a ray that meets a triangle at these barycentrics meets its surface, or passes through a hole.
 bool is_covered(uint tag, uint triangle_number, vec2 barycentrics, vec3 origin, vec3 direction) {
   if ((spec_features & FEATURE_ALPHA) == 0u || (tag & TRIANGLE_TAG_ALPHA) == 0u) return true;
   float coverage = coverage_at(FRAME, placed_triangle(FRAME, triangle_number).triangle, barycentrics);

@@ -1,5 +1,5 @@
-// A material at a point as the scattering functions need it (lib/bsdf.glsl has the model): what Fresnel makes of both
-// sides of the interface, and how a walk chooses between lobes.
+// A material at a point, in the form that the scattering functions need (lib/bsdf.glsl has the model): reflectances from
+// both sides of the interface, and how a walk chooses between lobes.
 #ifndef REGULUS_LIB_BSDF_PARAMETERS_GLSL
 #define REGULUS_LIB_BSDF_PARAMETERS_GLSL
 
@@ -10,9 +10,9 @@
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
-// What this pipeline can meet. Macros of one comparison each: a branch on one is resolved before the driver sees the
-// module (host/gpu/specialize.hpp), a branch on what a function returns is not; and glslang 12 orders constants derived
-// from derived specialization constants wrongly.
+// What this pipeline can meet. Macros of one comparison each, because a branch on such a comparison is resolved before the
+// driver sees the module (host/gpu/specialize.hpp), while a branch on the result of a function is not; and because
+// glslang 12 puts constants that are derived from derived specialization constants into the wrong order.
 #define bsdf_has_specular() (spec_material_class != MATERIAL_CLASS_DIFFUSE)
 #define bsdf_has_transmission() (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
 #define bsdf_has_rough() (spec_material_class * (spec_features & FEATURE_ROUGH_SPECULAR) != 0u)
@@ -29,15 +29,15 @@
 #define has_rough_base() \
   ((1u - spec_energy_compensation) * spec_material_class * (spec_features & FEATURE_ROUGH_BASE) != 0u)
 
-// Any of the three. glslang 12 orders what `||` makes of them wrongly.
+// Any of the three, without `||`, whose result glslang 12 would put into the wrong order.
 #define uses_energy_tables()                                                                                      \
   (spec_material_class * (spec_energy_compensation * (spec_features & FEATURE_ROUGH_SPECULAR) +                   \
                           (1u - spec_energy_compensation) * (spec_features & FEATURE_ROUGH_BASE) +                \
                           (spec_regularization & REGULARIZATION_ROUGHNESS)) != 0u)
 
-// Roughness below which a lobe that is not a delta is evaluated as if it had this alpha.
+// A lobe that is not a delta is evaluated with at least this alpha.
 const float MIN_ALPHA = 1e-7;
-// Common factor of a microfacet lobe's value and pdfs is kept below this: the quotient stays exact.
+// The factor that a microfacet lobe's value and pdfs share is kept below this. Their quotient stays exact.
 const float MAX_DENSITY = 1e23;
 // Least alpha across the direction of an anisotropic material.
 const float MIN_ANISOTROPIC_ALPHA = 1e-3;
@@ -56,8 +56,8 @@ struct Bsdf {
   float excess;          // eta^2 - 1
   float inverse_eta_squared;
   float inverse_eta;
-  float fresnel_skew;    // of fresnel_dielectric_position, as is
-  float inverse_t0;      // one over the exact transmittance at normal incidence
+  float fresnel_skew;    // argument `skew` of fresnel_dielectric_position
+  float inverse_t0;      // argument of the same: 1 / (exact transmittance at normal incidence)
   float min_position;    // lowest Fresnel position that keeps F_d >= 0
   // Luminances as linear functions of position s and Schlick weight k: diffuse d.x + (1 - s) d.y,
   // reflected r.x + k r.y + s r.z, transmitted t.x + (1 - s) t.y.
@@ -66,20 +66,20 @@ struct Bsdf {
   vec2 transmitted_luminance;
   bool is_thin;
   float coat;            // clearcoat weight on the side of wo
-  float coat_across;     // and on the other side, as transmitted light meets it
+  float coat_across;     // clearcoat weight on the other side, for transmitted light
   vec2 coat_alpha;       // 0: delta
-  vec3 coat_normal;      // local, on the side of wo; only with bsdf_has_coat_normal(), as is
-  bool is_coat_turned;   // MATERIAL_COAT_NORMAL: it is another than z
+  vec3 coat_normal;      // local, on the side of wo; only with bsdf_has_coat_normal()
+  bool is_coat_turned;   // coat_normal is not z (MATERIAL_COAT_NORMAL); only with bsdf_has_coat_normal()
   EnergyTables energy;   // only with compensates_energy(), has_rough_base() or raises_lobes()
-  bool is_solid;         // it refracts; only with compensates_energy()
+  bool is_solid;         // the material refracts; only with compensates_energy()
   vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
   Sheen sheen;           // only with bsdf_has_sheen()
   vec2 cover;            // share of the rough interface's own albedo in what the base gets, from outside and from inside a
                          // solid (lib/cover.glsl)
 };
 
-// True if the normals disagree about w, a direction towards the light as the bsdf sees it, and a normal map's relief stands in
-// its own light: the diffuse lobe is dark.
+// True if the normals disagree about w, a direction towards the light as the bsdf sees it, and the relief of a normal map
+// shadows itself: the diffuse lobe is dark then.
 bool is_in_relief_shadow(Bsdf bsdf, vec3 w) { return bsdf_has_relief() && dot(w, bsdf.geometric_normal) * w.z < 0.0; }
 
 // Position s of the exact reflectance between F_0 (0) and 1 (1), as (s, 1 - s), both accurate where small:
@@ -101,8 +101,8 @@ vec3 interface_reflectance(Bsdf bsdf, vec2 position, float k) {
          (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position);
 }
 
-// What the interface does to light between a direction with cosine c and the diffuse base, seen from the side that `excess`
-// is of: the Fresnel position (s, 1 - s) of the light that it reflects, and how much it loses between its facets.
+// What the interface does to light between a direction with cosine c and the diffuse base, seen from the side to which
+// `excess` belongs: the Fresnel position (s, 1 - s) of the light that it reflects, and how much it loses between facets.
 vec3 base_passage(Bsdf bsdf, float c, float excess) {
   vec2 position = fresnel_position(bsdf, c, refracted_g(c, excess), excess);
   float cover = excess < 0.0 ? bsdf.cover.y : bsdf.cover.x;
@@ -112,7 +112,7 @@ vec3 base_passage(Bsdf bsdf, float c, float excess) {
   return vec3(mix(position, vec2(albedo.y, 1.0 - albedo.y), cover), cover * (1.0 - albedo.x));
 }
 
-// What of it reaches the base: 1 - E.
+// The share of light that reaches the base: 1 - E.
 vec3 base_transmittance(Bsdf bsdf, vec3 passage) {
   return dielectric_transmittance(bsdf, passage.xy) + passage.z * bsdf.f0;
 }
@@ -149,7 +149,8 @@ vec3 from_coat(Bsdf bsdf, vec3 w) {
   return bsdf.is_coat_turned ? w.x * tangent + w.y * bitangent + w.z * bsdf.coat_normal : w;
 }
 
-// Cosine of w with the clearcoat's normal on w's own side of the surface. Not positive: the coat's lobe does not see w.
+// Cosine of w with the clearcoat's normal on w's own side of the surface. Where it is not positive, the coat's lobe does not
+// see w.
 float coat_cosine(Bsdf bsdf, vec3 w) {
   if (!bsdf_has_coat_normal()) return abs(w.z);
   float cosine = bsdf.is_coat_turned ? dot(w, bsdf.coat_normal) : w.z;
@@ -159,14 +160,14 @@ float coat_cosine(Bsdf bsdf, vec3 w) {
 // Share of light that a clearcoat of this weight reflects at cosine c.
 float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
 
-// And what it leaves, accurate also at grazing, where that is little: 1 - (1 - c)^5 by its factor c.
+// The share that it lets pass, accurate also at grazing, where that is little: 1 - (1 - c)^5 is evaluated by its factor c.
 float coat_transmittance(float weight, float c) {
   float schlick_rest = c * (5.0 + c * (-10.0 + c * (10.0 + c * (-5.0 + c))));
   return (1.0 - weight) + weight * (1.0 - COAT_F0) * clamp(schlick_rest, 0.0, 1.0);
 }
 
-// Probabilities of sampling the coat and the base from a direction with cosine c (coat_c: coat_cosine) on a side with that
-// coat, and the base's Fresnel position: by what coat and base would reflect or transmit.
+// Probabilities of sampling the coat and the base, in proportion to what each would reflect or transmit. The direction has
+// cosine c (coat_c: coat_cosine) and the base's Fresnel position `position`, on a side with a coat of this weight.
 vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) {
   float coat = coat_c > 0.0 ? coat_reflectance(weight, coat_c) : 0.0;
   float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
@@ -175,11 +176,12 @@ vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) 
   return coat > 0.0 ? vec2(coat, below) / (coat + below) : vec2(0.0, 1.0);
 }
 
-// Of light from a direction with cosine c and that Fresnel position, on a side where sheen has this largest component.
+// What becomes of light from a direction with cosine c and that Fresnel position, on a side where the largest component of
+// the sheen's colour is this.
 struct SheenLayers {
   float above;   // luminance of what sheen reflects
-  float below;   // and of what the diffuse lobe under it does
-  float passed;  // factor of sheen on all that lies under it
+  float below;   // luminance of what the diffuse lobe under it reflects
+  float passed;  // factor on everything under the sheen
 };
 
 SheenLayers sheen_layers(Bsdf bsdf, float c, vec2 position, float largest) {
@@ -214,7 +216,7 @@ float reflection_probability(Bsdf bsdf, vec2 position, float c) {
 // The bsdf of a material whose textures have been applied, seen from its front or back face.
 Bsdf make_bsdf(Material material, bool is_front) {
   Bsdf bsdf;
-  bsdf.geometric_normal = vec3(0.0, 0.0, 1.0);  // where it is another the caller says so
+  bsdf.geometric_normal = vec3(0.0, 0.0, 1.0);  // a caller who knows another sets it
   vec3 dielectric = (1.0 - material.metallic) * material.base_color;
   if (!bsdf_has_specular()) {
     bsdf.diffuse = dielectric;
@@ -245,10 +247,10 @@ Bsdf make_bsdf(Material material, bool is_front) {
   float coat_alpha = square(material.clearcoat_roughness);
   bsdf.coat_alpha = vec2(material.clearcoat_roughness > 0.0 ? max(coat_alpha, MIN_ALPHA) : 0.0);
 
-  bsdf.coat_normal = vec3(0.0, 0.0, 1.0);  // where it is turned the caller says how
+  bsdf.coat_normal = vec3(0.0, 0.0, 1.0);  // a caller who knows another sets it
   bsdf.is_coat_turned = (material.flags & MATERIAL_COAT_NORMAL) != 0u;
 
-  bsdf.sheen = NO_SHEEN;  // the caller has its table
+  bsdf.sheen = NO_SHEEN;  // the caller, who has the table, adds it
 
   // eta^2 - 1 by factors: 1 / ior - 1 rounded first would lose its digits for ior near 1.
   float ior = material.ior;
@@ -281,8 +283,8 @@ Bsdf make_bsdf(Material material, bool is_front) {
   return bsdf;
 }
 
-// From inside a solid the diffuse lobe sends light only where its interface lets it out, but for what F_90 and facets leave of
-// the rest: inside a cone whose sine squared is 1 / n^2. This share of its samples are drawn from there; from all directions
+// Share of the diffuse lobe's samples that are drawn, from inside a solid, from the cone in which the interface lets light
+// out: its sine squared is 1 / n^2, and beyond it only what F_90 and facets leave passes. With samples from all directions
 // alone, weights would vary by n^2 at every bounce, without bound along a path.
 float cone_share(Bsdf bsdf) {
   if (!bsdf_has_transmission() || !(bsdf.excess < 0.0)) return 0.0;
@@ -335,7 +337,7 @@ void find_tables(DeviceAddress tables, Material material, inout Bsdf bsdf) {
   bsdf.energy = find_energy_tables(tables, max(material.ior, 1.0 / material.ior), bsdf.alpha);
 }
 
-// Prepares a bsdf for energy compensation (lib/energy.glsl): lets the diffuse lobe have what a rough interface passes.
+// Prepares a bsdf for energy compensation (lib/energy.glsl): the diffuse lobe gets what a rough interface lets pass.
 void compensate_energy(Material material, inout Bsdf bsdf) {
   bsdf.is_solid = bsdf_has_transmission() && material.transmission > 0.0 && !bsdf.is_thin;
   if (bsdf.excess < 0.0) return;  // as rough_position
@@ -344,8 +346,8 @@ void compensate_energy(Material material, inout Bsdf bsdf) {
   bsdf.diffuse *= smooth_mean / rough_mean;
 }
 
-// Lets the diffuse lobe have what the interface passes by its own albedo (lib/cover.glsl). Uses the material's own alpha,
-// whatever its lobes are raised to: the base's light is a function of the path.
+// Gives the diffuse lobe the light that the interface lets pass by its own albedo (lib/cover.glsl). Uses the material's own
+// alpha, whatever its lobes are raised to, because the base's light must be a function of the path.
 void cover_base(Material material, inout Bsdf bsdf) {
   if (!(max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0)) return;
   bsdf.cover = vec2(cover_share(bsdf.energy.roughness), bsdf.energy.roughness > 0.0);
@@ -356,7 +358,7 @@ void cover_base(Material material, inout Bsdf bsdf) {
   bsdf.diffuse *= smooth_mean / mix(smooth_mean, max(passed, vec3(1e-6)), is_inside ? bsdf.cover.y : bsdf.cover.x);
 }
 
-// Mean Fresnel position of a rough surface's facets, for a smooth one's position in that direction.
+// Mean Fresnel position over a rough surface's facets, given the position of a smooth surface in that direction.
 vec2 rough_position(Bsdf bsdf, float cosine, vec2 position) {
   if (bsdf.excess < 0.0) return position;  // from inside: where diffuse light matters little
   float more = energy_fresnel(bsdf.energy, cosine);

@@ -105,7 +105,7 @@ float camera_ray_pdf(Camera camera, vec2 size, vec3 direction) {
   return 1.0 / (area * cos_theta * cos_theta * cos_theta);
 }
 
-// m of a camera ray that lie before the near plane.
+// Length of the part of a camera ray before the near plane, in m.
 float cut_length(Camera camera, vec3 direction) { return has_clipping() ? clipped_range(camera, direction).x : 0.0; }
 
 // A point as the lens sees it.
@@ -118,7 +118,7 @@ struct LensSample {
   bool is_visible;   // in front of the camera, between its clipping planes (it may still lie outside the film)
 };
 
-// Connects a point to a point of the lens chosen by u.
+// Connects a point to the point of the lens that u chooses.
 LensSample sample_lens(Camera camera, vec2 size, vec3 position, vec2 u) {
   LensSample result;
   vec3 right = normalize(camera.right), up = normalize(camera.up);

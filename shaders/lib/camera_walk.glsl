@@ -30,7 +30,7 @@ Weighted emission_towards(Frame frame, ShadingPoint point, Path path, PathHistor
   return Weighted(radiance * hit_weight(frame, path, history, counts, pdf_connect, pdf_emit, EMITTER_BOUND), radiance);
 }
 
-// What a light contributes by technique `nee` over its pdf and the throughput: bsdf, cosine and weight.
+// What a light contributes by technique `nee`, divided by its pdf and by the throughput: bsdf, cosine and weight.
 Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                       Regularization regularization, TechniqueCounts counts, LightSample light, vec3 wi) {
   uvec4 seed = virtual_merge_seed(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, VIRTUAL_MERGE_AT_CAMERA,
@@ -66,7 +66,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
   vec3 wi;
   if (!to_local_lit(point, light.wi, wi)) return;
-  // Lights without extent are not seen in mirrors or through clear glass. However narrow, a bundle of camera paths would
+  // Lights without extent are not seen in mirrors or through clear glass. A bundle of camera paths, however narrow, would
   // show them there, as glints of all their light in a pixel.
   if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
   Weighted measured = light_connection(frame, point, path, vertex, history, regularization, counts, light, wi);
@@ -139,7 +139,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
   append_ray(path.bounce, slot);
 }
 
-// Keeps the vertex for the connections and merges of this bounce; without edges if there are none.
+// Keeps the vertex for the connections and merges of this bounce; with 0 edges if it takes part in none.
 void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory history, Hit hit, uint slot,
                          bool is_usable) {
   PathVertex vertex;

@@ -1,12 +1,12 @@
-// Rays among surfaces that touch (FEATURE_CONTACTS). Which of two surfaces in one place comes first, rounding cannot tell;
-// three rules do, the same whichever way a path is walked:
-// - A closed solid is entered only from outside of it and left only from inside: what a ray meets of a solid's boundary
-//   against that does not count. So nothing is met twice or left out, however near two faces are to each other.
+// Rays among surfaces that touch (FEATURE_CONTACTS). Which of two surfaces in one place comes first is lost in rounding;
+// three rules decide it, the same whichever way a path is walked:
+// - A closed solid is entered only from outside and left only from inside; hits of its boundary that contradict this do not
+//   count. So nothing is met twice or left out, however near two faces are to each other.
 // - What comes within a few roundings is met in this order: what emits towards the ray, then other fronts, then other backs
 //   of surfaces that are no boundary of a solid, what enters a solid, what leaves one. So a lamp in the plane of a ceiling
 //   shines, a leaf of two faces has both, and two blocks that share a face have no air between them.
-// - Of surfaces of the same kind that are no boundaries the one with the least number is there. Of boundaries that are entered
-//   that of the solid which decides comes first, of those that are left, last: so each hides the others.
+// - Of surfaces of the same kind that are no boundaries, the one with the least number is met. Of boundaries that are entered,
+//   that of the deciding solid comes first; of boundaries that are left, it comes last: so it hides the others.
 // Rays leave the boundary of a closed solid from where it is; the first rule is all they need. All others start off their
 // surface (offset_origin) and do not meet their own triangle.
 // Include this before lib/traversal.glsl.
@@ -16,48 +16,48 @@
 #include "lib/alpha.glsl"
 #include "lib/media.glsl"
 
-// What the ray at hand knows, in units of its t.
+// State of the ray that is being traced, lengths in units of its t.
 struct ContactRay {
   MediaSet around;
-  float from;         // surfaces before this have been met
+  float from;         // surfaces before this t have been dealt with
   uint crossed;       // the solid whose boundary lies there, or INVALID_INDEX
   uint left;          // the solid whose boundary the ray starts on
   uint triangle;      // the triangle that it starts on
-  float coordinates;  // largest of the origin
+  float coordinates;  // largest coordinate of the origin
   float t_max;
   bool is_blind;      // meets boundaries of closed solids only, to find what holds its start: `around` is what it has entered
-  MediaSet holding;   // and this what it has left without
+  MediaSet holding;   // with is_blind: what it has left without having entered it
   DeviceAddress solids;
 };
 ContactRay contact;
 
 const float CONTACT_ERROR = float(CONTACT_ROUNDINGS) * FLOAT_EPSILON;
-// Least cosine with a surface by which distances along it become such along the ray.
+// Distances along a surface's normal become distances along the ray by the cosine between them, but at least this.
 const float CONTACT_MIN_COS = 1.0 / 16.0;
-// By so many errors the second rule takes surfaces for nearer.
+// The second rule takes surfaces for nearer by this many errors.
 const float CONTACT_EMITTER = 2.0, CONTACT_FRONT = 1.5, CONTACT_BACK = 1.0, CONTACT_ENTRY = 0.5;
-// Values of surfaces of the same kind in one place differ by less than this.
+// Surfaces of the same kind whose values differ by less than this, in errors, are in one place.
 const float CONTACT_TIE = 0.2;
-// How far before the place of the last surface one may lie that is yet to be met, in errors.
+// How far before the last surface another may lie that is still to be met, in errors.
 const float CONTACT_BEHIND = 1.0;
-// By how many errors a surface that is met first may lie behind another: the greatest rank and the tie.
+// How many errors behind another a surface may lie that is met before it: the greatest rank and the tie.
 const float CONTACT_REACH = CONTACT_EMITTER + CONTACT_TIE;
 
 // The error of a distance along the normal at a hit.
 float contact_error(float t) { return CONTACT_ERROR * (contact.coordinates + abs(t)); }
 
-// By how much t of a hit that is to be met first may exceed that of another, and how far behind its origin a ray looks.
+// How much larger than that of another the t of a hit may be that is met first; also how far behind its origin a ray looks.
 float contact_reach(float t) { return CONTACT_REACH / CONTACT_MIN_COS * contact_error(t); }
 
-// The third rule.
+// The third rule: the lower number is met first.
 uint contact_order(uint tag, uint number, float cosine) {
   uint solid = solid_of_tag(tag);
   if (solid == INVALID_INDEX || (tag & TRIANGLE_TAG_CLOSED) == 0u) return number;
   return cosine < 0.0 ? solid : ~solid;
 }
 
-// The value by which hits are ordered, t or earlier by rank, and how near the values of two must be for the third rule to
-// decide. Without bound: the hit does not count. cosine: of the direction with the front's normal.
+// The value by which hits are ordered (t, less what the rank takes off), and how near two such values must be for the third
+// rule to decide. TRAVERSAL_NEVER: the hit does not count. cosine: of the direction with the front's normal.
 vec2 contact_key(uint tag, uint number, float t, float cosine) {
   const vec2 NEVER = vec2(3.4e38, 0.0);  // TRAVERSAL_NEVER
   float along = contact_error(t) / max(abs(cosine), CONTACT_MIN_COS);
@@ -76,7 +76,7 @@ vec2 contact_key(uint tag, uint number, float t, float cosine) {
   if (contact.is_blind) {
     bool counts = is_entry ? !is_inside : is_inside || !media_contain(contact.holding, solid);
     if (solid == contact.crossed && t < contact.from - before) return NEVER;
-    // One after the other, as they lie: what was left must not count again as left without having been entered.
+    // Boundaries are taken one after the other: one that was left must not count again as left without having been entered.
     uint last = media_contain(contact.around, contact.crossed) ? contact.crossed : ~contact.crossed;
     bool is_ahead = t > contact.from || (t == contact.from && (is_entry ? solid : ~solid) > last);
     return counts && is_ahead && t > 0.0 ? vec2(t, 0.0) : NEVER;
@@ -85,12 +85,12 @@ vec2 contact_key(uint tag, uint number, float t, float cosine) {
   // What has just been left is not entered again at once.
   if (is_entry && solid == contact.left && t < -before) return NEVER;
   if (is_entry && solid == contact.crossed && t < contact.from - before) return NEVER;
-  // A segment ends at a surface that is nearer by its rank.
+  // The surface at a segment's end may count as nearer by its rank.
   if (!(t > contact.from + before && t <= contact.t_max - CONTACT_FRONT * along)) return NEVER;
   return vec2(is_entry ? t - CONTACT_ENTRY * along : t, CONTACT_TIE * along);
 }
 
-// Whether the ray goes on behind what it has met first: an interface that is none, or, blind, whatever it is.
+// Whether the ray goes on behind what it has met first: behind an interface that is none, or, if blind, behind anything.
 bool contact_goes_on(Hit hit, uint tag) {
   uint solid = solid_of_tag(tag);
   if (hit.triangle == INVALID_INDEX || solid == INVALID_INDEX) return false;
@@ -128,7 +128,7 @@ void start_contact(Frame frame, vec3 origin, float t_max, PathMedia media, bool 
 }
 
 // What the ray meets with t up to t_max, its tag and, in `media.around`, the solids there. Interfaces that are none are
-// passed. Call as trace_closest.
+// passed. To be called like trace_closest.
 Hit trace_through(Frame frame, vec3 origin, vec3 direction, float t_max, inout PathMedia media, out uint tag) {
   start_contact(frame, origin, t_max, media, false);
   Hit hit = trace_closest(frame.bvh_nodes, frame.bvh_triangles, origin, direction, t_max, tag);

@@ -1,10 +1,10 @@
 // What a rough dielectric interface leaves to the diffuse base that it covers. Its facets stand at other angles than the
-// surface, so at grazing angles it reflects much less than a smooth one: the base gets by its own albedo
+// surface, so at grazing angles it reflects much less than a smooth one: the base gets what the interface's own albedo leaves,
 //   E(w) = F_0 R(w) + (F_90 - F_0) S(w)
 // (R, S of interface/energy.h, for single scattering), and the diffuse lobe base / pi (1 - E(wo)) (1 - E(wi)) / (1 - E_avg) is
 // reciprocal and with what the interface reflects sums to E + base (1 - E), never above 1 (Kelemen and Szirmay-Kalos 2001).
 // From outside the smooth interface's reflectance stands for E up to a roughness of COVER_BEGIN, where the two hardly differ;
-// from inside, where facets blur the begin of total reflection, E counts at every roughness. With energy compensation see
+// from inside, where facets blur the onset of total reflection, E counts at every roughness. With energy compensation see
 // lib/energy.glsl.
 #ifndef REGULUS_LIB_COVER_GLSL
 #define REGULUS_LIB_COVER_GLSL
@@ -23,7 +23,7 @@ float cover_roughness(uint row, bool is_inside) {
 // How much E counts against the smooth interface's reflectance, from outside.
 float cover_share(float roughness) { return smoothstep(COVER_BEGIN, COVER_FULL, roughness); }
 
-// Cosine of a column of the tables; critical: where total reflection begins. What is near 0 or critical is spread out.
+// Cosine of a column of the tables; critical: where total reflection begins. Columns are denser near 0 and near critical.
 float cover_cosine(uint column, float critical, bool is_inside) {
   const float LEAST = 1e-3;
   if (!is_inside) return square(max(float(column) / float(ENERGY_NODES - 1u), LEAST));
@@ -34,7 +34,7 @@ float cover_cosine(uint column, float critical, bool is_inside) {
   return max(critical * (square(x) / (square(x) + square(1.0 - x))), square(LEAST));
 }
 
-// Where a direction with this cosine lies between the columns: the inverse.
+// Where a direction with this cosine lies between the columns: the inverse of cover_cosine.
 float cover_column(float cosine, float critical, bool is_inside) {
   float c = clamp(cosine, 0.0, 1.0);
   if (!is_inside) return sqrt(c) * float(ENERGY_NODES - 1u);

@@ -4,8 +4,8 @@
 //                      The series of Kulla and Conty (2017): the light of later bounces has the metal's colour
 //   dielectric, thin   1 / E
 //   refracting solid   1 / E', reflection and transmission alike
-//   diffuse            its interface passes 1 - F where F is the mean over the rough surface's facets: with reflection it
-//                      adds up to 1 for a white base
+//   diffuse            its interface lets 1 - F pass, F being the mean over the rough surface's facets: together with the
+//                      reflection this adds up to 1 for a white base
 // E(w), E'(w): shares that a perfectly reflecting and a clear surface keep, from tables. w is the direction towards the
 // camera, whichever way a path is walked: the bsdf is not reciprocal, but all techniques measure the same one. Pdfs do not
 // change. Clearcoats are left as they are; anisotropic lobes take the tables of their mean roughness.
@@ -17,7 +17,7 @@
 #include "lib/numerics.glsl"
 #include "lib/specialization.glsl"
 
-// What is needed to look a surface up.
+// What is needed to look up a surface in the tables.
 struct EnergyTables {
   DeviceAddress words;
   uint first;       // of the interface's own planes
@@ -30,7 +30,7 @@ float energy_word(EnergyTables tables, uint word) { return LOAD(FloatBuffer, tab
 // Cosine at which total reflection begins on the dense side of an interface of index `ior`.
 float critical_cosine(float ior) { return safe_sqrt((ior - 1.0) * (ior + 1.0)) / ior; }
 
-// The tables for an index of refraction: the nearest there are.
+// The tables for an index of refraction, or for the nearest one that has tables.
 EnergyTables find_energy_tables(DeviceAddress words, float ior, vec2 alpha) {
   EnergyTables tables = EnergyTables(words, 0u, sqrt(sqrt(alpha.x * alpha.y)), 0.0);
   uint count = min(LOAD(WordBuffer, words, 0u), ENERGY_MAX_INDICES), nearest = 0u;
@@ -82,7 +82,7 @@ float energy_scattered(EnergyTables tables, float cosine, bool is_inside) {
   return energy_plane(tables, tables.first + plane * ENERGY_PLANE_WORDS, energy_position(tables, cosine));
 }
 
-// How much further than at a smooth surface the mean Fresnel position lies, for a direction from outside, and over all.
+// How much further the mean Fresnel position lies than at a smooth surface: for a direction from outside, and over all.
 float energy_fresnel(EnergyTables tables, float cosine) { return energy_plane(tables, tables.first, cosine); }
 float energy_fresnel_mean(EnergyTables tables) {
   return energy_mean(tables, tables.first + 3u * ENERGY_PLANE_WORDS);

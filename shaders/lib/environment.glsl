@@ -23,7 +23,8 @@ vec3 environment_texel(Frame frame, ivec2 texel) {
   return LOAD(Vec3Buffer, frame.environment_texels, uint(y * size.x + x));
 }
 
-// Radiance at a point of the map: cell and place in it, because one float for both would blunt the foot of a bright texel.
+// Radiance at a point of the map, given as cell and place in it: a single float for both would be too coarse beside a bright
+// texel.
 vec3 environment_radiance(Frame frame, uvec2 cell, vec2 place) {
   bvec2 is_upper = greaterThanEqual(place, vec2(0.5));  // beyond the centre of the cell's texel
   ivec2 texel = ivec2(cell) - ivec2(1) + ivec2(is_upper);
@@ -48,7 +49,7 @@ float environment_pdf(Frame frame, uvec2 cell, float sin_theta) {
   return share * cells / (2.0 * PI * PI * max(sin_theta, MIN_ENVIRONMENT_SINE));
 }
 
-// Where a distribution of `count` cells from entry `first` on reaches the share u: the cell, never one of no share, and
+// Where a distribution of `count` cells from entry `first` on reaches the share u: the cell, never one without a share, and
 // the place in it in [0, 1).
 float invert_environment_cdf(Frame frame, uint first, uint count, float u, out uint cell) {
   uint low = 0u, high = count - 1u;

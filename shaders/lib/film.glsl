@@ -8,8 +8,8 @@
 #include "lib/buffers.glsl"
 #include "lib/specialization.glsl"
 
-// The film holds the pixels of Frame.crop alone, row by row; a pixel's number on the whole film, y * width + x, decides
-// about its random numbers.
+// The film holds only the pixels of Frame.crop, row by row; random numbers go by a pixel's number on the whole film,
+// y * width + x.
 uint film_index(Frame frame, uint pixel) {
   if (spec_crop == 0u) return pixel;
   return (pixel / frame.width - frame.crop.y) * frame.crop.z + pixel % frame.width - frame.crop.x;
@@ -61,8 +61,8 @@ void film_add(DeviceAddress film, uint pixel, vec3 radiance) {
   film_add_channel(film, base + 6u, radiance.b);
 }
 
-// A sample that is not finite, or negative, must not reach the film: it is a bug, and is counted. By its bits: a driver may
-// take it that there are no NaNs, and comparisons with it.
+// A sample that is not finite, or negative, is a bug: it must not reach the film, and is counted. It is told by its bits,
+// because a driver may assume that there are no NaNs and drop comparisons that look for them.
 bool is_valid_sample(vec3 radiance) {
   const uint LARGEST = 0x7F7FFFFFu, MINUS_ZERO = 0x80000000u;
   uvec3 bits = floatBitsToUint(radiance);
@@ -71,7 +71,7 @@ bool is_valid_sample(vec3 radiance) {
                     is_beyond.z && bits.z != MINUS_ZERO));
 }
 
-// The baseline against which regularization is compared: bright contributions are scaled down, their energy is lost.
+// A baseline to compare regularization with: bright contributions are scaled down, and the energy is lost.
 vec3 clamp_contribution(vec3 radiance, float largest) {
   if (spec_clamp == 0u) return radiance;
   float brightest = max(radiance.r, max(radiance.g, radiance.b));

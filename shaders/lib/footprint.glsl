@@ -58,7 +58,7 @@ float mean_curvature(Vertex v0, Vertex v1, Vertex v2) {
   vec3 d1 = v1.normal - v0.normal, d2 = v2.normal - v0.normal;
   // The dual basis of the edges is (u2 x area, area x u1) / area^2.
   float trace = (dot(d1, cross(u2, area)) + dot(d2, cross(area, u1))) / squared;
-  // Normals on the back of the winding are turned round, as shading does.
+  // Normals that point to the back of the winding are turned round, as in shading.
   float side = dot(v0.normal + v1.normal + v2.normal, area) < 0.0 ? -1.0 : 1.0;
   return side * clamp(0.5 * trace, -1.0, 1.0) / longest;
 }

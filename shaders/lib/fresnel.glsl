@@ -19,7 +19,8 @@ float fresnel_dielectric(float c, float g, float excess) {
   return g > 0.0 ? min(reflected, 1.0) : 1.0;
 }
 
-// Where F lies between that at normal incidence (0) and 1, and where 1 - F does, (s, 1 - s): F - F_0 would cancel. With
+// The Fresnel position s: where F lies between its value at normal incidence (0) and 1. As (s, 1 - s), because F - F_0 would
+// cancel. With
 // t = eta c, (c + g) b = eta^2 c + g and skew = (-eta^4 + 2 eta^3 + 2 eta^2 + 2 eta - 1) / (2 eta^2), the same for 1 / eta:
 //   s = (excess sin^2 / ((c + g)^2 b (g + t)))^2 (g^2 + skew g t + t^2)
 // 1 - s has a relative error below 1e-6 at grazing too. inverse_t0 = 1 / (1 - F_0).

@@ -64,7 +64,7 @@ SurfacePoint point_on_triangle(vec3 p0, vec3 p1, vec3 p2, vec2 barycentrics) {
   point.clearance = POSITION_ERROR * dot(abs(point.normal), abs(a) + abs(b) + abs(c)) +
                     PLANE_ERROR * sqrt(extent_squared) * shape;
   if ((spec_features & FEATURE_CONTACTS) != 0u) {
-    // Beyond what else lies in the same plane (lib/contacts.glsl).
+    // Far enough to be beyond whatever else lies in the same plane (lib/contacts.glsl).
     vec3 size = abs(point.position);
     point.clearance += float(CONTACT_CLEARANCE) * FLOAT_EPSILON * max(size.x, max(size.y, size.z));
   }
@@ -79,7 +79,7 @@ vec4 vertex_color(Frame frame, Triangle triangle, vec2 barycentrics) {
          barycentrics.y * LOAD(Vec4Buffer, frame.vertex_colors, triangle.v2);
 }
 
-// Everything shading needs of a hit.
+// Everything that shading needs to know of a hit.
 struct Surface {
   vec3 position;
   float clearance;        // see SurfacePoint
@@ -90,8 +90,8 @@ struct Surface {
   uint material;
   uint light;
   float area;  // of the triangle, m^2
-  // Only with FEATURE_BULGES: the side on which the vertex normals spread, 1 the front, -1 the back, 0 neither; and from the
-  // triangle to the curved surface that they tell of on that side, m.
+  // Only with FEATURE_BULGES: the side on which the vertex normals spread (1 the front, -1 the back, 0 neither), and the way
+  // from the triangle to the curved surface that they suggest on that side, m.
   float bulge;
   vec3 rise;
 };

@@ -51,7 +51,7 @@ Neighbourhood neighbourhood(Frame frame, float merge_radius, vec3 position) {
   return near;
 }
 
-// The units that a vertex with so many light vertices in reach takes.
+// Number of units that a vertex with this many light vertices in reach takes.
 uint merge_units(uint in_reach) { return (in_reach + MERGE_UNIT - 1u) / MERGE_UNIT; }
 
 #endif

@@ -27,12 +27,12 @@ float camera_bound(Frame frame) {
   return frame.camera.kind == CAMERA_ORTHOGRAPHIC ? square(2.0 * frame.scene_radius) / film : 1.0 / film;
 }
 
-// The length with which an edge counts. Those to distant lights, and longer ones, count as long as the scene.
+// The length that an edge counts with. Edges to distant lights, and longer ones, count as long as the scene.
 float edge_length(Frame frame, float distance, bool is_parallel) {
   return is_parallel ? 2.0 * frame.scene_radius : min(distance, 2.0 * frame.scene_radius);
 }
 
-// On arrival, as mis_arrive.
+// To be called on arrival, like mis_arrive.
 void history_arrive(Frame frame, inout PathHistory history, float distance, float cos_here, bool is_parallel) {
   Path plain;
   plain.mis_a = history.plain.x;
@@ -52,7 +52,7 @@ float history_worst(PathHistory history, TechniqueCounts counts, float bound, ui
   return worst;
 }
 
-// The technique whose edge leads to a vertex that is so many edges from its end of the path.
+// The technique whose edge leads to a vertex that is this many edges from its end of the path.
 uint camera_edge_technique(uint edges) { return edges == 1u ? TECHNIQUE_SPLAT : TECHNIQUE_CONNECT; }
 uint light_edge_technique(uint edges) { return edges == 1u ? TECHNIQUE_NEE : TECHNIQUE_CONNECT; }
 
@@ -63,7 +63,7 @@ const float SMOOTH_WIDTH = 2.0;
 float regularized_share(Frame frame, Regularization regularization, float worst, float length_of_path) {
   if (spec_sampler_quality == SAMPLER_QUALITY_OFF) return 1.0;
   float quality = min(worst * square(length_of_path), NO_BOUND);
-  // What is scheduled is alpha_tau: the tau that it belongs to grows by the power of alpha in the bound.
+  // The schedule shrinks alpha_tau; the tau that belongs to it grows by the power of alpha in the bound.
   float shrunk = square(regularization.full_scale);
   if (spec_bound == BOUND_SMITH && spec_shadowing != SHADOWING_V_CAVITY) shrunk = square(shrunk);
   // A raised lobe keeps its light (lib/raised_light.glsl), so it exceeds tau by what it would lose.
@@ -75,8 +75,8 @@ float regularized_share(Frame frame, Regularization regularization, float worst,
   return smoothstep(-SMOOTH_WIDTH, SMOOTH_WIDTH, excess);
 }
 
-// With `both`: a vertex of the regularized weights once the ratio of its bsdf is known. Every technique on this side of
-// it exists twice.
+// With `both`: counts the copies at a vertex of the regularized weights, once the ratio of its bsdf is known. Every technique
+// on this side of it exists twice.
 void count_copies(TechniqueCounts counts, float previous_ratio, float ratio, inout MisVertex vertex) {
   if (!is_both()) return;
   vertex.n *= 1.0 + previous_ratio * ratio;
@@ -91,7 +91,7 @@ vec3 weighted(vec3 regularized, vec3 plain, float weight, float ratios) {
   return is_both() ? weight * (regularized + ratios * plain) : weight * regularized;
 }
 
-// After scattering, as mis_scatter. `worst` includes the last vertex, `plain` is its unregularized MIS vertex.
+// To be called after scattering, like mis_scatter. `worst` includes the last vertex, `plain` is its unregularized MIS vertex.
 void history_scatter(TechniqueCounts counts, MisVertex plain, float worst, WalkPdf walk, float pdf_ratio, float cos_out,
                      inout PathHistory history) {
   Path carried;

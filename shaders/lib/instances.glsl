@@ -1,5 +1,5 @@
-// Triangles by their numbers: of stored ones, and of the copies of meshes that are stored once (interface::Instance).
-// Without FEATURE_INSTANCES a number is an index. Emissive triangles are never copies: lights need none of this.
+// Triangles by their numbers: stored triangles, and those of copies of meshes that are stored once (interface::Instance).
+// Without FEATURE_INSTANCES a number is an index. Emissive triangles are never copies, so lights need none of this.
 #ifndef REGULUS_LIB_INSTANCES_GLSL
 #define REGULUS_LIB_INSTANCES_GLSL
 
@@ -9,7 +9,7 @@
 
 bool has_instances() { return (spec_features & FEATURE_INSTANCES) != 0u; }
 
-// A triangle where it stands: its vertices by placed_vertex.
+// A triangle where it stands in the world; placed_vertex gives its vertices.
 struct PlacedTriangle {
   Triangle triangle;
   bool is_copy;

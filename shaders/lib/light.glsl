@@ -55,7 +55,7 @@ float choice_probability(Frame frame, LightReceiver receiver, uint light, float 
   return spec_light_sampling == LIGHT_SAMPLING_UNIFORM ? 1.0 / float(frame.light_count) : selection_pdf;
 }
 
-// The same for the vertex before the ray in `slot`, which met the light.
+// The same for the vertex before the ray in `slot`, a ray that has met the light.
 float previous_choice_probability(Frame frame, uint slot, uint light, float selection_pdf) {
   LightReceiver receiver;
   if (spec_light_sampling == LIGHT_SAMPLING_BVH) {
@@ -97,7 +97,7 @@ float spot_falloff(Light light, vec3 direction) {
   return linear * linear;
 }
 
-// Of the inverse square law: what KHR_lights_punctual recommends for a light of limited range, which ends there.
+// Factor on the inverse square law for a light of limited range, 0 from its end on, as KHR_lights_punctual recommends.
 float range_share(Light light, float squared_distance) {
   if ((spec_features & FEATURE_LIGHT_RANGES) == 0u || light.kind == LIGHT_TRIANGLE || light.area == 0.0) return 1.0;
   return clamp(1.0 - square(squared_distance / square(light.area)), 0.0, 1.0);
@@ -126,7 +126,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
     emission_pdf = triangle_emission_pdf(material, abs(cos_light));
     radiance = emitted_radiance(frame, material, radiance, uv, vertex_color(frame, triangle, barycentrics));
   }
-  // Rays that hit the light meet it with the probability of its coverage.
+  // A ray would meet the light's surface with the probability of its coverage.
   result.radiance = emits ? radiance * coverage_at(frame, triangle, barycentrics) : vec3(0.0);
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
   result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);

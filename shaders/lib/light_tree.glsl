@@ -33,13 +33,13 @@ struct LightChoice {
   float probability;
 };
 
-// A number with 24 digits tells nodes of this probability apart by 12 of them; then the next number takes over.
+// A random number has 24 digits. Down to nodes of this probability 12 of them remain; then the next number takes over.
 const float LAST_OF_FIRST_NUMBER = 1.0 / 4096.0;
 
-// A node that can be lit has at least this share, however bright its sibling looks: that may be hidden.
+// A node that can send light has at least this share, however bright its sibling looks: the sibling may be hidden.
 const float LEAST_SHARE = 1.0 / 1048576.0;
 
-// Where a walk is: at a pair, whose parent's sphere lies so towards the receiver.
+// Where a walk is: at a pair, and how its parent's sphere lies towards the receiver.
 struct LightTreeWalk {
   uint pair;
   vec3 from_center;  // to the receiver
@@ -69,7 +69,7 @@ float light_importance(vec3 from_center, float radius, uint normals, bool is_two
   return clamp(light_height, 0.0, least) * clamp(receiver_height, 0.0, least);
 }
 
-// One pair, and what is to know of its two nodes.
+// A pair, and what a walk needs to know of its two nodes.
 struct LightPairChoice {
   vec2 shares;  // of both, each rounded for itself: 1 less the other would lose the digits of a small one.
                 // Negative if neither can be chosen

@@ -44,7 +44,7 @@ float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
   return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
 }
 
-// The share of a light's power that comes as far as the path's first vertex: less than 1 for a light of limited range.
+// The share of a light's power that reaches the path's first vertex: less than 1 for a light of limited range.
 float first_range_share(Frame frame, Path path, float distance) {
   if ((spec_features & FEATURE_LIGHT_RANGES) == 0u) return 1.0;
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
@@ -62,7 +62,7 @@ void queue_splat(Frame frame, VisibilityCandidate segment, PathMedia media, vec2
 
 vec2 film_size(Frame frame) { return vec2(frame.width, frame.height); }
 
-// A film point that the filter of no pixel that is rendered reaches.
+// True for a film point that is out of reach of the filters of all rendered pixels.
 bool is_off_film(Frame frame, vec2 film) {
   vec2 half_size = 0.5 * vec2(frame.crop.zw);
   vec2 outside = abs(film - vec2(frame.crop.xy) - half_size) - half_size + 0.5;
@@ -111,8 +111,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
               factor * unweighted);
 }
 
-// Continues the walk. Roulette keeps the power of all light paths alike: it survives with the bsdf's own factor.
-// `sharp`: the vertex for a camera that has not diffused on its way here.
+// Continues the walk. Roulette keeps the power of all light paths alike: a path survives with the bsdf's own factor.
+// `sharp`: the vertex as it counts for a camera path that has not diffused on its way here.
 void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
                    TechniqueCounts counts, Hit hit, uint slot) {
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
@@ -135,7 +135,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   Regularization regularization = regularization_of(frame, path.sample_index, true);
   WalkPdf walk = walk_pdf(point.bsdf, point.wo, next, TRANSPORT_IMPORTANCE, regularization);
   if (is_regularized()) {
-    // Seen by a camera that has not diffused the surface here is not regularized.
+    // For a camera path that has not diffused, the surface here is not regularized.
     float sharp_ratio = (next.flags & BSDF_SAMPLE_DELTA) != 0u ? 0.0 : 1.0;
     if (has_sharp_levels()) {
       Path sharp_path = path;

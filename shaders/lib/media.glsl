@@ -21,7 +21,7 @@ MediaSet media_without(MediaSet set, uint solid) {
                   mix(set.b, uvec4(INVALID_INDEX), equal(set.b, uvec4(solid))));
 }
 
-// The first of the numbers that is `number` becomes `other`. No loop: SwiftShader compiles those for long.
+// Replaces the first of the numbers that equals `number` by `other`. Without a loop, which SwiftShader takes long to compile.
 uvec4 replace_first(uvec4 numbers, uint number, uint other) {
   uvec4 same = uvec4(equal(numbers, uvec4(number)));
   uvec4 before = uvec4(0u, same.x, same.x | same.y, same.x | same.y | same.z);
@@ -55,10 +55,10 @@ uint medium_of(Frame frame, MediaSet set) {
   return first == INVALID_INDEX ? INVALID_INDEX : LOAD(SolidBuffer, frame.solids, first).material;
 }
 
-// The solid whose boundary a triangle is, or INVALID_INDEX, by its tag; and by its number.
+// The solid whose boundary a triangle is, or INVALID_INDEX: by the triangle's tag, and by its number.
 uint solid_of_tag(uint tag) { return ((tag >> TRIANGLE_TAG_SOLID_SHIFT) & TRIANGLE_TAG_SOLID_MASK) - 1u; }
 uint triangle_tag(Frame frame, uint number) {
-  if (has_instances() && number >= frame.stored_triangles) return 0u;  // what is copied bounds no solid
+  if (has_instances() && number >= frame.stored_triangles) return 0u;  // copies bound no solid
   return LOAD(BvhTriangleBuffer, frame.bvh_triangles, number).tag;
 }
 
@@ -78,8 +78,8 @@ MediaSet media_behind(MediaSet set, uint solid, bool is_front) {
 
 PathMedia start_media(MediaSet set) { return PathMedia(set, vec2(0.0), INVALID_INDEX, INVALID_INDEX); }
 
-// A path starts in the set of this index, or (MEDIA_VARY) in one that stage start_media finds; at that point of a triangle,
-// if it is none of INVALID_INDEX.
+// Starts a path in the set of this index, or (MEDIA_VARY) in one that stage start_media finds. `triangle`, unless it is
+// INVALID_INDEX, and `barycentrics` say which surface point the path starts at.
 void start_in_media(Frame frame, uint set, uint triangle, vec2 barycentrics, uint slot, inout Path path) {
   PathMedia media = start_media(NO_MEDIA);
   path.medium = MEDIA_VARY;

@@ -3,7 +3,8 @@
 // runs from the light to the camera. A vertex of either subpath holds on arrival
 //   A   one over the area pdf with which the walk reached it (light vertex x_1: times p_connect / p_trace of x_0, the
 //       probabilities of choosing x_0 from x_1 by nee and for emission)
-//   B   the same over all earlier techniques, without the pdf of walking backwards from here
+//   B   the sum of the densities of all earlier techniques over that of the walk, without the pdf of walking backwards from
+//       here
 // B leaves float's range where densities of techniques on the way lie 38 decades below those before: it then counts in
 // powers of 2^64 (RAISED below), so that weights add up to one however far pdfs spread.
 // The pdfs that enter are those of the corrected weights: multiplied by rho^/rho where a bsdf is regularized.
@@ -15,7 +16,7 @@
 #include "lib/numerics.glsl"
 #include "lib/specialization.glsl"
 
-// True if some enabled technique uses light subpaths: without, B is always 0.
+// True if some enabled technique uses light subpaths. Otherwise B is always 0.
 bool has_light_subpaths() {
   return (spec_techniques & (TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) != 0u;
 }
@@ -42,14 +43,15 @@ TechniqueCounts technique_counts(Frame frame, float merge_radius) {
   return counts;
 }
 
-// An A with its sign set is that of a raised pair: the last 7 bits of the word hold k, A has the others (it errs by 2^-17
-// then), and B stands for 2^(64 k) times itself. B is below 2^64 when it is stored unraised, and 1 at least when raised.
+// A pair (A, B) is raised where the sign bit of A is set: the last 7 bits of that word then hold k, the others are A (which
+// errs by 2^-17), and B stands for 2^(64 k) times itself. B is stored below 2^64 where it is not raised, as 1 or more where
+// it is.
 const uint RAISED = 0x80000000u;
 const uint RAISED_POWER = 0x7Fu;
 const float RAISED_UNIT = 1.8446744073709552e19;         // 2^64
 const float RAISED_INVERSE = 5.421010862427522e-20;      // 2^-64
 const float RAISED_MIDDLE = 4294967296.0;                // 2^32
-const float MIS_SATURATED = 1e38;                        // of ratios of densities: weights of 0
+const float MIS_SATURATED = 1e38;                        // largest ratio of densities: its weight is 0
 
 // Whether B can be raised at all: without light subpaths it is 0.
 bool is_raised(float a) { return has_light_subpaths() && (floatBitsToUint(a) & RAISED) != 0u; }
@@ -63,8 +65,8 @@ float raised_a(float a, uint power) {
   return power == 0u ? a : uintBitsToFloat(RAISED | rounded | min(power, RAISED_POWER));
 }
 
-// The accumulators of a vertex, and the count n of the technique whose edge leads to it: for a light vertex
-// x_i technique s = i, for a camera vertex x_i technique s = i + 1.
+// The accumulators of a vertex, and the count n of the technique whose edge leads to it: s = i for a light vertex x_i,
+// s = i + 1 for a camera vertex x_i.
 struct MisVertex {
   float a, b;
   float n;
@@ -72,13 +74,13 @@ struct MisVertex {
   uint power;   // B stands for 2^(64 power) times b
 };
 
-// Cosines below this would overflow what is divided by them.
+// Smaller cosines count as this one: quotients with them would overflow.
 const float MIN_MIS_COS = 1e-7;
 
-// True if the weight of `hit` needs to know the vertex before: nee's choice of a light depends on it.
+// True if the weight of `hit` needs to know the previous vertex, because nee's choice of a light depends on it.
 #define keeps_receivers() has_state(STATE_RECEIVERS)
 
-// A and B on arrival: the ray had the length `distance` and meets the geometric normal at cos_here.
+// Updates A and B on arrival: the ray had the length `distance` and meets the geometric normal at cos_here.
 // is_parallel: all rays of this edge run in the same direction (distant light, orthographic camera).
 void mis_arrive(inout Path path, float distance, float cos_here, bool is_parallel) {
   float inverse_cos = 1.0 / max(abs(cos_here), MIN_MIS_COS);
@@ -95,11 +97,11 @@ MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges
   return MisVertex(unraised_a(a), b, edges == 1u ? counts.splat : counts.connect, counts.merge, raised_power(a));
 }
 
-// True if light paths and vertices have accumulators for a camera that sees them sharply, too.
+// True if light paths and vertices also have accumulators for a camera that sees them sharply.
 #define has_sharp_levels() has_state(STATE_SHARP)
 
-// Of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that the one before it
-// is regularized.
+// The accumulators of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that
+// the one before it is regularized.
 MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
   vec2 accumulators = vec2(light.mis_a, light.mis_b);
   if (has_sharp_levels() && !is_diffused)
@@ -107,7 +109,7 @@ MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light
   return mis_light_vertex(counts, accumulators.x, accumulators.y, light.edges & PATH_VERTEX_EDGES);
 }
 
-// x 2^(64 power - 32), not beyond MIS_SATURATED. power > 0
+// x 2^(64 power - 32), at most MIS_SATURATED. Precondition: power > 0.
 float lowered(float x, uint power) {
   uint exponent = min(64u * power - 32u, 252u);
   uint half_exponent = exponent / 2u;
@@ -128,7 +130,7 @@ void mis_scatter_raised(MisVertex vertex, float inverse_pdf, float pdf_ratio, fl
   uint power = vertex.power;
   float here = (abs(cos_out) * (inverse_pdf * RAISED_INVERSE)) * (vertex.merge + vertex.n * vertex.a);  // power 1
   float b = vertex.b;
-  // Whatever the ratio is within 2^80, the product stays a float.
+  // For ratios up to 2^80 the product stays within float's range.
   if (b >= RAISED_MIDDLE) {
     b *= RAISED_INVERSE;
     power += 1u;
@@ -162,10 +164,10 @@ void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, fl
   if (vertex.power != 0u || !(path.mis_b < RAISED_UNIT)) mis_scatter_raised(vertex, inverse_pdf, pdf_ratio, cos_out, path);
 }
 
-// In the weights `copies` is how often the technique exists: once, or with `both` (lib/history.glsl) 1 + r.
+// The weights. `copies`: how often the technique exists: once, or with `both` (lib/history.glsl) 1 + r times.
 
-// s = 0. ab: the accumulators on arrival. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission, times
-// the solid-angle pdf of emitting towards the camera. nee_copies: of technique nee.
+// Technique s = 0. ab: the accumulators on arrival. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission,
+// times the solid-angle pdf of emitting towards the camera. nee_copies: of technique nee.
 float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float pdf_emit, float nee_copies) {
   float connected = counts.nee * nee_copies * pdf_connect * unraised_a(ab.x);
   uint power = raised_power(ab.x);
@@ -173,7 +175,7 @@ float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float p
   return 1.0 / (1.0 + connected + emitted);
 }
 
-// s = 1. hit_ratio: pdf of the bsdf hitting the light over that of nee (0 for a delta light); emission_pdf: area pdf
+// Technique s = 1. hit_ratio: pdf of the bsdf hitting the light over that of nee (0 for a delta light); emission_pdf: area pdf
 // of the camera vertex when the light emits towards it, times p_trace / p_connect of the light point.
 float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, float emission_pdf,
                      float pdf_towards_camera, float copies) {
@@ -182,7 +184,7 @@ float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, 
   return 1.0 / (copies + others);
 }
 
-// s, t >= 2. area_pdf_light: of the light vertex, reached from the camera vertex; area_pdf_camera: the reverse.
+// Techniques s, t >= 2. area_pdf_light: of the light vertex, reached from the camera vertex; area_pdf_camera: the reverse.
 float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pdf_back, float area_pdf_light,
                          MisVertex camera, float camera_pdf_back, float area_pdf_camera, float copies) {
   float others = mis_side(area_pdf_light, light.merge, light, light_pdf_back) +
@@ -190,7 +192,7 @@ float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pd
   return counts.connect / (counts.connect * copies + others);
 }
 
-// t = 1. camera_area_pdf: area pdf of the light vertex when the lens samples it (film density 1 per pixel area).
+// Technique t = 1. camera_area_pdf: area pdf of the light vertex when the lens samples it (film density 1 per pixel area).
 float mis_weight_splat(TechniqueCounts counts, MisVertex light, float light_pdf_back, float camera_area_pdf,
                        float copies) {
   return counts.splat / (counts.splat * copies + mis_side(camera_area_pdf, light.merge, light, light_pdf_back));

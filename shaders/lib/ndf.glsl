@@ -8,7 +8,7 @@
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
-// Below this cosine directions count as lying at this cosine in quotients, which keeps them finite.
+// In quotients, directions with a smaller cosine count as having this one, which keeps the quotients finite.
 const float MIN_COS = 1e-7;
 
 // D(h) for h.z > 0, in 1/sr. Evaluated from the slopes of h divided by alpha, so it is as accurate as h.xy.

@@ -17,7 +17,7 @@ void append_own_pairs(Frame frame, Path path, uint slot) {
   // A list is no longer than the longest path.
   for (uint i = 0u; i < frame.max_depth && index != INVALID_INDEX; ++i) {
     uint edges = LOAD(PathVertexBuffer, frame.light_vertices, index).edges;
-    // Camera edges, the connection and light edges together.
+    // The camera's edges, the connection, and the light's edges together.
     if (path.bounce + 2u + (edges & PATH_VERTEX_EDGES) <= frame.max_depth) append_pair(frame, slot, index, edges);
     index = LOAD(PathVertexBuffer, frame.light_vertices, index).link;
   }

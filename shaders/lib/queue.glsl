@@ -1,5 +1,5 @@
-// The queues of a bounce, each with the type of its items. What stages hand to each other goes through here: nothing else
-// takes places in queues.
+// The queues of a bounce, each with the type of its items. Everything that stages hand to each other goes through here; no
+// other code takes places in queues.
 #ifndef REGULUS_LIB_QUEUE_GLSL
 #define REGULUS_LIB_QUEUE_GLSL
 
@@ -57,7 +57,7 @@ void append_connection(uint material_class, ConnectionPair pair) {
   STORE(ConnectionPairBuffer, FRAME.pairs, material_class * FRAME.pair_capacity + place, pair);
 }
 
-// QUEUE_VISIBILITY. Returns the place, for what stands beside candidates in arrays of its own.
+// QUEUE_VISIBILITY. Returns the candidate's place, at which other arrays hold more about it.
 uint append_candidate(VisibilityCandidate candidate) {
   uint index = queue_reserve(queue_head(QUEUE_VISIBILITY));
   STORE(CandidateBuffer, FRAME.candidates, index, candidate);

@@ -1,10 +1,10 @@
-// What a raised lobe keeps of its light. A wider lobe loses more between facets, which single scattering leaves out, and of a
-// wider refraction more is reflected: a lobe raised from alpha to alpha^ is scaled by
+// How a raised lobe keeps its light. A wider lobe loses more light between facets, because single scattering leaves out
+// further bounces, and a wider refraction loses more to reflection. So a lobe raised from alpha to alpha^ is scaled by
 //   E(alpha, w) / E(alpha^, w)     reflection, clearcoat and thin-walled transmission: E of a perfect reflector
 //   T(alpha, w) / T(alpha^, w)     refraction: what a clear interface refracts, from the side of w
 // with w the direction towards the camera, whichever way a path is walked: a function of the path. So the lobe gives an eye
-// as much of even light as before. What Fresnel makes of wider reflection is not undone: at grazing angles that factor would
-// raise the lobe far above its bound, while this one is at most 1 / E(alpha^).
+// as much of even light as before. How the Fresnel factor changes with a wider lobe is not undone: at grazing angles that
+// would raise the lobe far above its bound, while this factor is at most 1 / E(alpha^).
 #ifndef REGULUS_LIB_RAISED_LIGHT_GLSL
 #define REGULUS_LIB_RAISED_LIGHT_GLSL
 

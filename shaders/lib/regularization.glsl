@@ -1,5 +1,5 @@
 // Microfacet regularization (Jendersie and Grosch 2019): where a path is connected or merged, a microfacet lobe is
-// evaluated with alpha^ = max(alpha, alpha_tau), alpha_tau so wide that the lobe's density stays below tau. Random
+// evaluated with alpha^ = max(alpha, alpha_tau), where alpha_tau is so wide that the lobe's density stays below tau. Random
 // walks keep alpha. The weights then use pdfs times rho^W / rho, with rho^W the regularized value (corrected) or the
 // same with its peak blended in (blended, docs/mathematics.md 3.9), in closed forms that exist for delta lobes too (3.4).
 #ifndef REGULUS_LIB_REGULARIZATION_GLSL
@@ -11,9 +11,9 @@
 
 // What one vertex is regularized with: the bound on a lobe's density and the factor on alpha_tau of its iteration.
 struct Regularization {
-  float tau;          // 1/sr, of this vertex
-  float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not at all
-  float full_tau;     // the same two for a vertex that is regularized most
+  float tau;          // 1/sr, for this vertex
+  float alpha_scale;  // i^(-1/6) in iteration i = 1, 2, ... of the consistent schedule, otherwise 1; 0: not regularized
+  float full_tau;     // the same two for a fully regularized vertex, see full()
   float full_scale;
 };
 
@@ -26,13 +26,13 @@ const float SHARP_ALPHA = 0.05;
 
 bool diffuses(Bsdf bsdf) {
   if (!bsdf_has_specular()) return true;
-  // From inside as from outside: this is a function of the path.
+  // The coat of either side counts, because this must be a function of the path.
   if (bsdf_has_coat() && max(bsdf.coat, bsdf.coat_across) > 0.0 && bsdf.coat_alpha.x >= SHARP_ALPHA) return true;
   if (bsdf_has_sheen() && max(bsdf.sheen.here, bsdf.sheen.across) > 0.0) return true;
   return bsdf.alpha.x >= SHARP_ALPHA || max(bsdf.diffuse.r, max(bsdf.diffuse.g, bsdf.diffuse.b)) > 0.0;
 }
 
-// Macros as in lib/bsdf.glsl.
+// Macros, for the reasons in lib/bsdf_parameters.glsl.
 #define is_regularized() ((spec_regularization & REGULARIZATION_ROUGHNESS) != 0u)
 #define has_diffusion() ((spec_regularization & REGULARIZATION_DIFFUSION) != 0u)
 #define is_virtual_merge() ((spec_regularization & REGULARIZATION_VIRTUAL_MERGE) != 0u)
@@ -41,10 +41,10 @@ bool diffuses(Bsdf bsdf) {
 // True if paths carry a PathHistory (lib/history.glsl).
 #define has_histories() has_state(STATE_HISTORIES)
 
-// Below this diffusion a vertex is left alone.
+// A vertex with less diffusion than this is not regularized.
 const float MIN_DIFFUSION = 1e-6;
 
-// Of a vertex at which paths from the camera have this diffusion in [0, 1].
+// How a vertex is regularized at which paths from the camera have this diffusion, in [0, 1].
 Regularization diffused_regularization(Frame frame, uint iteration, float diffusion) {
   float scale = 1.0;
   if ((spec_regularization & REGULARIZATION_CONSISTENT) != 0u)
@@ -53,12 +53,12 @@ Regularization diffused_regularization(Frame frame, uint iteration, float diffus
                         scale);
 }
 
-// is_diffused: some vertex between this one and the camera diffuses.
+// The same with two levels. is_diffused: some vertex between this one and the camera diffuses.
 Regularization regularization_of(Frame frame, uint iteration, bool is_diffused) {
   return diffused_regularization(frame, iteration, is_diffused || !has_diffusion() ? 1.0 : 0.0);
 }
 
-// As at a vertex that is regularized most.
+// The regularization that this vertex would have if paths from the camera were fully diffused there.
 Regularization full(Regularization regularization) {
   regularization.tau = regularization.full_tau;
   regularization.alpha_scale = regularization.full_scale;
@@ -69,7 +69,8 @@ Regularization full(Regularization regularization) {
 // so their transmission is not regularized.
 const float MIN_REGULARIZED_BEND = 0.02;
 
-// alpha_tau of a reflection lobe whose facet the directions meet at cosine c (docs/mathematics.md 2.2; directional: 2.4).
+// alpha_tau of a reflection lobe (docs/mathematics.md 2.2; directional: 2.4). c: the cosine at which the directions meet the
+// facet.
 float reflection_alpha(float tau, float c) {
   if (spec_bound == BOUND_PEAK || (spec_bound == BOUND_SMITH && spec_shadowing == SHADOWING_V_CAVITY))
     return 0.5 * inversesqrt(PI * tau);
@@ -109,7 +110,7 @@ float refraction_alpha(Bsdf bsdf, float tau) {
   return sqrt(e * INV_PI / tau);
 }
 
-// Largest alpha a lobe is raised to: beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
+// The largest alpha that a lobe is raised to: beyond 1 / sqrt(2) Beckmann's maximum leaves the normal (docs/mathematics.md 2.3).
 float largest_alpha() { return spec_ndf == NDF_BECKMANN ? 0.70710678 : 1.0; }
 
 vec2 regularized_alpha(Bsdf bsdf, Encounter facet, Regularization regularization) {
@@ -132,7 +133,7 @@ struct RaisedCoat {
 
 RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   if (facet.is_transmitted || !(bsdf.coat > 0.0)) return RaisedCoat(0.0, 0.0);
-  if (bsdf_has_coat_normal() && !(lobes.coat_weight > 0.0)) return RaisedCoat(0.0, 0.0);  // not seen by its normal
+  if (bsdf_has_coat_normal() && !(lobes.coat_weight > 0.0)) return RaisedCoat(0.0, 0.0);  // not seen by the coat
   vec2 alpha = regularized_coat_alpha(bsdf, facet, regularization);
   if (!(alpha.x > 0.0)) return RaisedCoat(0.0, 0.0);
   MicrofacetTerms raised = coat_microfacet_terms(bsdf, wo, wi, facet, max(alpha, vec2(MIN_ALPHA)));
@@ -148,7 +149,7 @@ RaisedCoat raise_coat(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet,
   return RaisedCoat(weight * density * raised.shadowing, weight * blended * raised.shadowing);
 }
 
-// The factor on the base's lobe raised to this alpha.
+// The factor by which the base's lobe, raised to this alpha, keeps its light.
 float raised_light_kept(Bsdf bsdf, Lobes lobes, Encounter facet, vec2 alpha) {
   if (bsdf_has_transmission() && facet.is_refracted)
     return refraction_kept(bsdf.energy, bsdf.alpha, alpha, lobes.camera_cosine, lobes.is_camera_inside);
@@ -163,7 +164,8 @@ struct RegularizedLobes {
   float ratio;               // rho^W / rho; 0 where rho is a delta's
 };
 
-// is_delta_event: the pair came from sampling a delta lobe, which outweighs all others there; is_coat: the clearcoat's.
+// is_delta_event: the pair came from sampling a delta lobe, which outweighs all others there; is_coat: that lobe is the
+// clearcoat's.
 RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, bool is_delta_event, bool is_coat,
                             Regularization regularization) {
   vec2 alpha = regularized_alpha(bsdf, facet, regularization);
@@ -195,7 +197,7 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
     value += lobes.coat_weight * lobes.coat_density * lobes.coat_terms.shadowing;
     value_in_weights += coat.value_in_weights;
     if (is_delta_event || !(value > 1e-30)) {
-      // As below, for the one or two lobes that make the event.
+      // As in the case below, for the one or two lobes that make the event.
       result.ratio = 0.0;
       float base = is_delta_event && !base_is_in_event(bsdf, is_coat) ? 0.0 : 1.0;
       float over = is_delta_event && !coat_is_in_event(bsdf, is_coat) ? 0.0 : 1.0;
@@ -209,7 +211,7 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
     }
   }
   if (is_delta_event || (!(diffuse > 0.0) && !bsdf_has_coat())) {
-    // The density cancels from p / rho, and with it what is 0 / 0 for a delta lobe.
+    // The density cancels from p / rho, and with it the 0 / 0 of a delta lobe.
     result.ratio = value > 0.0 && !is_delta_event ? value_in_weights / value : 0.0;
     float per_choice = value_in_weights / max(weight * lobes.terms.shadowing, 1e-30);
     result.pdf_forward = lobes.choice_forward * lobes.terms.visibility_o * per_choice;
@@ -226,8 +228,8 @@ RegularizedLobes regularize(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter 
 // Bounds are kept between these: products of two and a squared distance stay finite and positive.
 const float MIN_BOUND = 1e-10, MAX_BOUND = 1e10;
 
-// rho-bar: the largest value of the lobe that a pair of directions belongs to, with the alpha that the walk has. A mixture's
-// is that of its lobes by their shares of the fully regularized value at the pair, which are the same for all techniques.
+// rho-bar: the largest value of the lobe that a pair of directions belongs to, with the walk's alpha. For a mixture, the mean
+// over its lobes by their shares of the fully regularized value at the pair, which are the same for all techniques.
 float estimator_bound(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, Regularization regularization) {
   float diffuse = dot(lobes.diffuse, LUMINANCE);
   if (!bsdf_has_specular()) return max(diffuse, MIN_BOUND);
@@ -286,7 +288,7 @@ vec3 virtual_merge(Bsdf bsdf, vec3 wo, vec3 wi, bool is_coat, uint transport, Re
   return sum / (float(VIRTUAL_MERGE_TRIES) * solid_angle * max(abs(wi.z), MIN_COS));
 }
 
-// Value of all lobes where those that are raised measure by virtual merges.
+// Value of all lobes, with raised lobes measured by virtual merges.
 vec3 virtual_value(Bsdf bsdf, Lobes lobes, vec3 wo, vec3 wi, Encounter facet, uint transport, Regularization regularization,
                    uvec4 seed) {
   vec3 value = lobes.diffuse;

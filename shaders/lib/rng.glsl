@@ -85,7 +85,7 @@ uvec4 sobol_reversed(uint index) {
   return uvec4(index, pascal, sum);
 }
 
-// 32 random bits each of the Sobol sampler.
+// A block of the Sobol sampler, as 32 bits each.
 uvec4 sobol_bits(uint seed, uint stream, uint sample_index, uint block) {
   uvec4 seeds = pcg4d(uvec4(stream, 0x2545f491u, block, seed));
   uint order = pcg4d(seeds).x;

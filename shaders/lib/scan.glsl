@@ -1,4 +1,4 @@
-// What both directions of a scan share: its arguments (host/render/scan.cpp records the levels).
+// The arguments of a scan, for its way up and its way down (host/render/scan.cpp records the levels).
 #ifndef REGULUS_LIB_SCAN_GLSL
 #define REGULUS_LIB_SCAN_GLSL
 

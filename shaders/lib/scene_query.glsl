@@ -1,11 +1,11 @@
-// What rays meet in the scene, the one way to ask for light transport: `closest` and `is_open`. Surfaces with holes, meshes
-// stored once for several copies, solids that touch, clipping planes, and who traces the rays (kernels, or the host before
-// the stage: host/rays/scene_query.hpp) are behind it; lib/traversal.glsl cannot be included without.
+// What rays meet in the scene: `closest` and `is_open` are the only ways in which light transport asks. Behind them are
+// surfaces with holes, meshes stored once for several copies, solids that touch, clipping planes, and who traces the rays
+// (kernels, or the host before the stage: host/rays/scene_query.hpp). lib/traversal.glsl cannot be included without this.
 #ifndef REGULUS_LIB_SCENE_QUERY_GLSL
 #define REGULUS_LIB_SCENE_QUERY_GLSL
 
 #include "lib/camera.glsl"
-// Passes that look at surfaces alone carry no solids; which of two surfaces in one place they meet does not matter to them.
+// Passes that only look at surfaces carry no solids, and do not care which of two surfaces in one place they meet.
 #ifdef SCENE_QUERY_WITHOUT_MEDIA
 #include "lib/alpha.glsl"
 #include "lib/traversal.glsl"
@@ -13,11 +13,11 @@
 #include "lib/contacts.glsl"
 #endif
 
-// All of a ray but one from a lens, which sees what its clipping planes leave.
+// The range of every ray except those from a lens, which see what lies between the clipping planes.
 const vec2 WHOLE_RAY = vec2(0.0, 3.4e38);
 vec2 seen_range(vec3 direction) { return clipped_range(FRAME.camera, direction); }
 
-// What a ray meets with t in (range.x, range.y], and its tag; of number INVALID_INDEX if nothing.
+// What a ray meets first with t in (range.x, range.y], and its tag; the triangle is INVALID_INDEX if it meets nothing.
 Hit closest(vec3 origin, vec3 direction, vec2 range, out uint tag) {
   if (has_clipping()) origin += range.x * direction;
   Hit hit = trace_closest(FRAME.bvh_nodes, FRAME.bvh_triangles, origin, direction, range.y - range.x, tag);
@@ -27,7 +27,7 @@ Hit closest(vec3 origin, vec3 direction, vec2 range, out uint tag) {
 
 #ifndef SCENE_QUERY_WITHOUT_MEDIA
 
-// The same for a ray in media, with FEATURE_CONTACTS: `media` becomes that on arrival.
+// The same for a ray in media (FEATURE_CONTACTS): `media` becomes what surrounds the ray on arrival.
 Hit closest_through(vec3 origin, vec3 direction, vec2 range, inout PathMedia media, out uint tag) {
   if (has_clipping()) origin += range.x * direction;
   Hit hit = trace_through(FRAME, origin, direction, range.y - range.x, media, tag);
@@ -36,8 +36,8 @@ Hit closest_through(vec3 origin, vec3 direction, vec2 range, inout PathMedia med
   return hit;
 }
 
-// Whether nothing lies between the ends of a segment, number `index` of its queue; `media`: the array of what its segments
-// start in, with FEATURE_CONTACTS.
+// True if nothing lies between the ends of a segment, which is item `index` of its queue. `media`: with FEATURE_CONTACTS, the
+// array of what that queue's segments start in.
 bool is_open(VisibilityCandidate segment, DeviceAddress media, uint index) {
   if (spec_rays == RAYS_HOST) return !(segment.t_max < 0.0);
   if (has_contacts()) return !is_segment_occluded(FRAME, segment, LOAD(PathMediaBuffer, media, index));

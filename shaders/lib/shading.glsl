@@ -21,10 +21,10 @@ struct ShadingPoint {
   bool is_turned;                   // wo was half-turned; only with smooth normals
   float bulge;                      // as of the surface, 1: on the side of wo; only with FEATURE_BULGES
   bool is_curved;                   // the camera's side bulges, for camera walks; only with FEATURE_BULGES
-  // Only with FEATURE_CONTACTS, as are:
+  // Only with FEATURE_CONTACTS:
   MediaSet around;  // the solids on the side of wo
-  uint solid;       // whose boundary the surface is, or INVALID_INDEX
-  bool is_closed;   // it is closed
+  uint solid;       // the solid whose boundary the surface is, or INVALID_INDEX
+  bool is_closed;   // that solid is closed
 };
 
 vec3 to_local(ShadingPoint point, vec3 w) {
@@ -43,8 +43,8 @@ bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
 // Where the normals disagree about a direction w, towards the light or the camera, the bsdf sees w after a half-turn about the
 // line in which the two tangent planes meet. That exchanges the directions between the planes, keeps solid angles and the
 // absolute cosines with both normals, and is its own inverse: every direction on a side of the surface has a partner on the
-// bsdf's side, nothing that a lobe scatters is lost, nothing is black for being seen at a slant, and pdfs stay densities. As
-// both directions are seen so, a pair and its reverse are treated alike. Two exceptions, functions of the path like the rule:
+// bsdf's side, nothing that a lobe scatters is lost, nothing is black because it is seen at a slant, and pdfs stay densities.
+// Both directions are treated so, and hence a pair like its reverse. Two exceptions, functions of the path like the rule:
 // - The diffuse lobe of a normal-mapped surface gets no light that way: the shadow of the relief.
 // - Where the surface bulges towards the camera (Surface.bulge) the shading normal alone decides about light. Some comes from
 //   beyond the facet's horizon: it arrives at the curved surface for which the facet stands, so rays in such directions start
@@ -76,12 +76,12 @@ bool bulges_towards(ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.bulge * dot(w, point.geometric_normal) > 0.0;
 }
 
-// Of a point of a light walk: true if light from wo does not go towards w. See above.
+// At a point of a light walk: true if light from wo does not go towards w. See half_turned.
 bool is_dark_towards(ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.is_turned && bulges_towards(point, w);
 }
 
-// Of a point of a camera walk: true if w, towards the light, lies beyond the facet's horizon and counts.
+// At a point of a camera walk: true if w, towards the light, lies beyond the facet's horizon and counts.
 bool is_beyond_horizon(ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.is_curved && dot(w, point.normal) > 0.0 &&
          dot(w, point.geometric_normal) < 0.0;
@@ -92,7 +92,7 @@ float arrival_cosine(ShadingPoint point, vec3 w) {
   return is_beyond_horizon(point, w) ? 0.0 : abs(dot(w, point.geometric_normal));
 }
 
-// Of a point of a camera walk: a direction towards the light, as the bsdf sees it. False if no light comes from there.
+// At a point of a camera walk: a direction towards the light, as the bsdf sees it. False if no light comes from there.
 bool to_local_lit(ShadingPoint point, vec3 w, out vec3 local) {
   local = to_local(point, w);
   if (sides_agree(point, w, local)) return true;
@@ -144,7 +144,7 @@ void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics,
   point.bitangent = cross(point.normal, point.tangent);
 }
 
-// Unit normal of the clearcoat on the front side; `surface` as the vertices say.
+// Unit normal of the clearcoat on the front side; `surface` has the vertices' normal.
 vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface, Material material) {
   if ((spec_features & FEATURE_TEXTURES) == 0u || material.clearcoat_normal_texture == INVALID_INDEX)
     return surface.shading_normal;
@@ -152,8 +152,8 @@ vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface,
                        material.clearcoat_normal_scale);
 }
 
-// The index of refraction behind the surface is relative to that in front of it. Where solids overlap neither need be the
-// surface's own or 1.
+// Sets the index of refraction behind the surface relative to that in front of it. Where solids overlap, neither need be the
+// surface's own index or 1.
 void set_media(Frame frame, MediaSet around, uint triangle, inout ShadingPoint point) {
   uint tag = triangle_tag(frame, triangle);
   point.around = around;
@@ -219,8 +219,8 @@ uint medium_towards(Frame frame, ShadingPoint point, uint medium, float w_local_
   return point.is_front ? point.surface.material : INVALID_INDEX;
 }
 
-// What a ray that leaves the surface towards w knows of its place. triangle, barycentrics: of the surface. A ray that starts
-// beyond the facet's horizon stays on the side of wo and leaves no surface: the facet itself may be in its way.
+// Where a ray that leaves the surface towards w starts. triangle, barycentrics: of the surface. A ray towards what lies beyond
+// the facet's horizon stays on the side of wo and leaves no surface: the facet itself may be in its way.
 PathMedia ray_media(ShadingPoint point, vec3 w, float w_local_z, uint triangle, vec2 barycentrics) {
   if (is_beyond_horizon(point, w)) return start_media(point.around);
   return PathMedia(media_towards(point, w_local_z), barycentrics, triangle, point.solid);
@@ -233,15 +233,15 @@ vec3 transmittance(Frame frame, uint medium, float distance) {
   return exp_accurate(-absorption * distance);
 }
 
-// Transmittance of what lies between the lens and the near plane: nothing but the medium of the lens. (Without contacts no
+// Transmittance of what lies between the lens and the near plane, which is only the medium of the lens. (Without contacts, no
 // solid holds the lens.)
 vec3 transmittance_before_plane(Frame frame, float distance) {
   if ((spec_features & FEATURE_CLIPPING) == 0u || !has_contacts()) return vec3(1.0);
   return transmittance(frame, frame.lens_medium, distance);
 }
 
-// What turns a light walk's |cos| of the shading normal into the path's own measure: |w.n_s| / |w.n_g| with w
-// towards the light (Veach 1997, section 5.3). 1 without smooth normals.
+// Factor from a light walk's |cos| of the shading normal to the path's own measure: |w.n_s| / |w.n_g| with w towards
+// the light (Veach 1997, section 5.3). 1 without smooth normals.
 float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shading) {
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 1.0;
   return abs(cos_shading) / max(abs(dot(towards_light, point.geometric_normal)), 1e-7);
@@ -256,8 +256,8 @@ bool is_connectible(ShadingPoint point) {
   return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
 }
 
-// The point as the choice of a light knows it. Where a surface only reflects, light that counts comes from the side of wo,
-// whichever way the path is walked; of which normal, where it bulges, the shading normal decides.
+// The point as the choice of a light sees it. Where a surface only reflects, the light that counts comes from the side of wo,
+// whichever way the path is walked: by the geometric normal, or where the surface bulges, by the shading normal.
 LightReceiver light_receiver(ShadingPoint point) {
   vec3 normal = (spec_features & FEATURE_BULGES) != 0u && point.bulge > 0.0 ? point.normal : point.geometric_normal;
   return LightReceiver(point.surface.position, spec_material_class == MATERIAL_CLASS_TRANSMISSIVE ? vec3(0.0) : normal);

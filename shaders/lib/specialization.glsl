@@ -1,5 +1,5 @@
-// The specialization constants of every stage (ids in interface/specialization.h). The defaults leave in what a kernel
-// computes, so that one that sets none is complete, and none of the state beside paths.
+// The specialization constants of every stage (ids in interface/specialization.h). By default a kernel computes everything it
+// can, so that one that sets no constants is complete, but it keeps no state beside paths.
 #ifndef REGULUS_LIB_SPECIALIZATION_GLSL
 #define REGULUS_LIB_SPECIALIZATION_GLSL
 
@@ -26,7 +26,7 @@ layout(constant_id = SPEC_FILM_EXPONENT) const int spec_film_exponent = 0;
 layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
 layout(constant_id = SPEC_RAYS) const uint spec_rays = RAYS_SOFTWARE;
 
-// Whether one of these STATE_* is kept. A macro, as those of lib/bsdf_parameters.glsl.
+// True if one of these STATE_* is kept. A macro, for the reasons in lib/bsdf_parameters.glsl.
 #define has_state(bits) ((spec_state & (bits)) != 0u)
 
 // Without `hit` an emitter that the camera sees directly is found by connecting it to the lens. A macro

@@ -8,7 +8,7 @@
 
 #define has_strategies() has_state(STATE_STRATEGIES)
 
-// What a technique measures, with its weight and without.
+// The value that a technique measures, with its weight and without.
 struct Weighted {
   vec3 value;
   vec3 unweighted;
@@ -20,7 +20,7 @@ uint strategy_layer(Frame frame, uint s, uint t, bool is_merge) {
   return LOAD(WordBuffer, frame.strategy_layers, 2u * (edges * (frame.max_depth + 2u) + s) + uint(is_merge));
 }
 
-// pixel: its index on the film. value, unweighted: as on the film, over all factors but the number of samples.
+// pixel: its index on the film. value, unweighted: as they go to the film, with every factor except the number of samples.
 void add_to_strategy(Frame frame, uint layer, uint pixel, vec3 value, vec3 unweighted) {
   if (layer == INVALID_INDEX) return;
   uint pixels = frame.crop.z * frame.crop.w;

@@ -24,7 +24,7 @@ vec4 load_wide_texel(Texture image, uint index) {
   return vec4(words.x & 0xFFFFu, words.x >> 16, words.y & 0xFFFFu, words.y >> 16) / 65535.0;
 }
 
-// Linear RGBA. `is_color`: 8-bit codes are sRGB; a literal wherever it comes from, as half of the cost is decoding.
+// Linear RGBA. `is_color`: 8-bit codes are sRGB. Callers pass a literal, because half of the cost is decoding.
 vec4 load_texel(Texture image, ivec2 texel, bool is_color) {
   uint s_mode = image.flags & 3u, t_mode = (image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u;
   int x = wrap_texel(texel.x, int(image.width), s_mode), y = wrap_texel(texel.y, int(image.height), t_mode);
@@ -44,7 +44,7 @@ vec4 sample_texels(Frame frame, uint index, TextureCoordinates coordinates, bool
   if (index == INVALID_INDEX) return vec4(1.0);
   Texture image = LOAD(TextureBuffer, frame.textures, index);
   vec2 uv = image_coordinates(frame, image, coordinates);
-  // Far outside, float coordinates lose the texel: bring repeating ones near 0 first.
+  // Far from 0, float coordinates cannot tell texels apart: bring repeating ones near 0 first.
   vec2 near_uv = uv - 2.0 * floor(0.5 * uv);
   bvec2 clamps = bvec2((image.flags & 3u) == TEXTURE_WRAP_CLAMP,
                        ((image.flags >> TEXTURE_WRAP_T_SHIFT) & 3u) == TEXTURE_WRAP_CLAMP);
@@ -58,7 +58,7 @@ vec4 sample_texels(Frame frame, uint index, TextureCoordinates coordinates, bool
   return mix(top, bottom, weight.y);
 }
 
-// Of a texture that holds data, and of one whose RGB are a colour.
+// The same for a texture that holds data, and for one whose RGB are a colour.
 vec4 sample_texture(Frame frame, uint index, TextureCoordinates coordinates) {
   return sample_texels(frame, index, coordinates, false);
 }

@@ -6,8 +6,8 @@
 #include "lib/specialization.glsl"
 
 struct TextureCoordinates {
-  vec2 own;  // between the vertices' own
-  // With FEATURE_UV_SETS, what the further sets are read with:
+  vec2 own;  // interpolated between the vertices' own
+  // With FEATURE_UV_SETS, what reading further sets takes:
   uvec3 corners;
   vec2 barycentrics;
 };

@@ -55,7 +55,7 @@ vec2 pair_dot(mat3x2 a, mat3x2 b) {
 float distance_to_plane(vec3 a0, vec3 a1, vec3 a2, vec2 barycentrics, vec3 b0, vec3 b1, vec3 b2, vec3 direction) {
   mat3x2 first = pair_difference(b1, b0), second = pair_difference(b2, b0);
   mat3x2 normal = mat3x2(pair_minor(first, second, 1, 2), pair_minor(first, second, 2, 0), pair_minor(first, second, 0, 1));
-  // From the point to b0: what leads within the first triangle's plane is scaled by the same two numbers.
+  // From the point to b0; ways within the first triangle's plane are scaled by its two barycentrics.
   mat3x2 along_u = pair_difference(a1, a0), along_v = pair_difference(a2, a0), to_plane = pair_difference(b0, a0);
   vec2 height = pair_dot(normal, to_plane);
   height = pair_add(height, -pair_multiply(vec2(barycentrics.x, 0.0), pair_dot(normal, along_u)));
@@ -64,9 +64,9 @@ float distance_to_plane(vec3 a0, vec3 a1, vec3 a2, vec2 barycentrics, vec3 b0, v
   return height.x / slope;
 }
 
-// Length of the way from where `media` says to the hit, whose surface point is `position`.
+// Length of the way from where `media` says that the ray starts to the hit, whose surface point is `position`.
 float length_in_medium(Frame frame, PathMedia media, vec3 direction, Hit hit, vec3 position) {
-  // Beyond this share of the coordinates the rounding of points does not matter.
+  // On ways longer than this share of the coordinates the rounding of points does not matter.
   const float SHORT = 1e-3;
   if (!has_contacts() || media.triangle == INVALID_INDEX) return hit.t;
   PlacedTriangle start = placed_triangle(frame, media.triangle);
@@ -81,7 +81,7 @@ float length_in_medium(Frame frame, PathMedia media, vec3 direction, Hit hit, ve
   float along = distance_to_plane(a0, a1, a2, b, placed_vertex(frame, end, end.triangle.v0).position,
                                   placed_vertex(frame, end, end.triangle.v1).position,
                                   placed_vertex(frame, end, end.triangle.v2).position, direction);
-  // Only rounding makes it negative; where the second plane runs along the ray it means nothing.
+  // Only rounding makes it negative. Where the second plane is parallel to the ray it means nothing.
   float most = 2.0 * apart + 1e-5 * max(size.x, max(size.y, size.z));
   return along <= most ? max(along, 0.0) : apart;
 }

@@ -19,7 +19,7 @@
 #include "lib/placement.glsl"
 
 // Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction), and the instance
-// of an index. lib/alpha.glsl knows. In a bare tree, which is no scene, all surfaces are whole and stored in place.
+// of an index. lib/alpha.glsl defines these. In a bare tree, which is no scene, all surfaces are whole and stored in place.
 #ifndef TRAVERSAL_IS_COVERED
 #ifndef TRAVERSAL_OF_A_BARE_TREE
 #error "rays of a scene are traced through lib/scene_query.glsl, which knows where its surfaces have holes"
@@ -43,13 +43,13 @@
 // Rays that were given up because they reached TRAVERSAL_MAX_STEPS; the hit found so far is returned.
 uint traversal_overrun = 0u;
 
-// Node visits plus triangle tests that one invocation may take. One driver silently ends a loop after 65,535
-// iterations of all loops together, and lanes of a vector share that budget.
+// Most node visits plus triangle tests of one invocation. One driver silently ends loops after 65,535 iterations of
+// all loops together, and lanes of a vector share that budget.
 const uint TRAVERSAL_MAX_STEPS = 16384u;
 
 // Nothing left to visit.
 const uint TRAVERSAL_DONE = 0xFFFFFFFFu;
-// Nothing left to visit in the instance at hand. With it all references from BVH_INSTANCE_BIT to BVH_LEAF_BIT are taken.
+// Nothing left to visit in the current instance. The last reference below BVH_LEAF_BIT, which no instance has.
 const uint TRAVERSAL_LEAVE = BVH_LEAF_BIT - 1u;
 // TraversalRay.instance_floor outside of instances.
 const uint TRAVERSAL_NO_FLOOR = 0xFFFFFFFFu;
@@ -110,13 +110,13 @@ struct TraversalGroup {
   uint rest;
 };
 
-// What is constant along a ray, and along its way through an instance. Boxes are met in the space of the instance's mesh,
-// by the ray that has the same distances there as in the world; triangles, whose vertices are taken to the world, there.
+// What is constant along a ray, or along its way through an instance. Boxes are met in the space of the instance's mesh, by
+// a ray whose distances are those in the world; triangles are met in the world, to which their vertices are taken.
 struct TraversalRay {
   vec3 origin;
   vec3 box_origin;        // origin as boxes see it
-  vec3 slack;             // how far t of the boxes' planes may be wrong, for instances
-  uint instance_floor;    // height of the stack below the instance at hand
+  vec3 slack;             // in instances, how far t of the boxes' planes may be wrong
+  uint instance_floor;    // height of the stack below the current instance
   uint number_offset;     // of triangles: number - index
   bool is_mirrored;
   vec3 x_axis, y_axis, z_axis, translation;  // see Instance
@@ -142,7 +142,7 @@ float traversal_safe_component(float d) {
   return abs(d) < TRAVERSAL_MIN_DIRECTION ? least : d;
 }
 
-// Sets what concerns boxes. The direction need not be of unit length.
+// Sets the members that concern boxes. The direction need not be of unit length.
 void traversal_set_boxes(vec3 origin, vec3 direction, inout TraversalRay ray) {
   ray.box_origin = origin;
   vec3 safe = vec3(traversal_safe_component(direction.x), traversal_safe_component(direction.y),
@@ -153,7 +153,7 @@ void traversal_set_boxes(vec3 origin, vec3 direction, inout TraversalRay ray) {
   ray.order = ray.is_far_first ? octant ^ 7u : octant;
 }
 
-// In the world, where no vertex needs to be moved.
+// Sets the members for the world, where no vertex needs to be moved.
 void traversal_set_world(vec3 origin, vec3 direction, inout TraversalRay ray) {
   traversal_set_boxes(origin, direction, ray);
   ray.slack = vec3(0.0);
@@ -249,7 +249,7 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
   vec3 near_offset = offset * ray.inverse_direction;
   vec3 far_scale = quantum * ray.inverse_direction_far;
   vec3 far_offset = offset * ray.inverse_direction_far;
-  // So much slack can make an empty slot, whose planes are the wrong way round, a hit.
+  // With this slack an empty slot, whose planes are the wrong way round, could be hit.
   uint occupied = 0xFFu;
   if (TRAVERSAL_HAS_INSTANCES) {
     near_offset -= ray.slack;
@@ -257,7 +257,7 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
     occupied = exponents >> 24;
   }
   if (TRAVERSAL_HAS_CONTACTS) {
-    far_offset += TRAVERSAL_CONTACT_REACH(0.0);  // what lies just behind the origin
+    far_offset += TRAVERSAL_CONTACT_REACH(0.0);  // so that what lies just behind the origin counts
     occupied = exponents >> 24;
   }
 
@@ -304,8 +304,8 @@ TraversalVisit traversal_visit(DeviceAddress nodes, uint index, TraversalRay ray
   return TraversalVisit(mask, first, rest);
 }
 
-// Vertex sheared into the ray's frame, and the edge function of two such vertices; `precise`, for a
-// contraction to fused multiply-add would break their symmetry. (Functions of their own: the front end takes
+// Vertex sheared into the ray's frame, and the edge function of two such vertices. `precise`, because contraction to
+// fused multiply-add would break their symmetry. (Functions of their own: the front end takes
 // exponential time to propagate `precise` through structs.)
 vec2 traversal_shear(vec3 v, vec3 shear) {
   precise vec2 sheared = v.xy - shear.xy * v.z;
@@ -331,7 +331,7 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   vec3 v1 = uintBitsToFloat(uvec3(w1.y, w2));
   vec3 v2 = uintBitsToFloat(uvec3(w3, w4.x));
   if (TRAVERSAL_HAS_INSTANCES) {
-    // In the world this changes nothing: products with 1 and 0 and their sums are exact.
+    // In the world this changes nothing, because products with 1 and 0 and their sums are exact.
     vec3 second = ray.is_mirrored ? v2 : v1, third = ray.is_mirrored ? v1 : v2;
     v0 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, v0);
     v1 = placed_position(ray.x_axis, ray.y_axis, ray.z_axis, ray.translation, second);
@@ -357,8 +357,8 @@ bool traversal_intersect(DeviceAddress triangles, uint index, TraversalRay ray, 
   return is_inside && determinant != 0.0 && tuv.x > t_min && tuv.x <= t_max;
 }
 
-// The same t by the triangle's plane: barycentrics err by more, and surfaces in one plane are to have one distance. `t` where
-// the ray runs along the plane.
+// The same t, but by the triangle's plane: from barycentrics it errs more, and surfaces in one plane should have one distance.
+// `t` itself where the ray is parallel to the plane.
 float traversal_plane_distance(DeviceAddress triangles, uint index, TraversalRay ray, vec3 normal, vec3 origin, vec3 direction,
                                float t) {
   uvec2 w0 = TRAVERSAL_UNPACK(TraversalTriangles(triangles).triangles[index].pairs[0]);
@@ -430,7 +430,7 @@ uint traversal_change_space(DeviceAddress nodes, uint next, vec3 origin, vec3 di
   return traversal_enter(instance, origin, direction, stack_size, ray);
 }
 
-// The traversal both queries share. With `any_hit` it ends at the first hit found.
+// The traversal that both queries share. With `any_hit` it ends at the first hit found.
 Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
                   const bool any_hit, out uint tag) {
   Hit hit = Hit(t_max, 0.0, 0.0, INVALID_INDEX);
@@ -495,7 +495,7 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
       traversal_overrun = 1u;
       next = TRAVERSAL_DONE;
     } else if (TRAVERSAL_HAS_CONTACTS && next == TRAVERSAL_DONE && TRAVERSAL_CONTACT_GOES_ON(hit, tag)) {
-      // From the root once more, in this loop: SwiftShader compiles a loop around it for minutes.
+      // Starts from the root once more within this loop, because SwiftShader takes minutes to compile a loop around it.
       hit = Hit(t_max, 0.0, 0.0, INVALID_INDEX);
       tag = 0u;
       best = TRAVERSAL_NEVER;

@@ -1,4 +1,4 @@
-// camera_bounce: a path at the surface of one material class: emission, a light connection, the pairs of vertices to
+// camera_bounce: a path has met a surface of one material class: emission, a light connection, the pairs of vertices to
 // connect, the next ray.
 // reads  bounce queue of spec_material_class, paths, hits; light vertices
 // writes radiance, candidates, camera vertices, pairs, paths, ray queue of the next bounce

@@ -1,5 +1,5 @@
-// connect: a camera vertex and a light vertex, of which the more general has material class spec_material_class:
-// what their edge would carry, as a candidate.
+// connect: what the edge between a camera vertex and a light vertex would carry, as a candidate. The more general of the
+// two has material class spec_material_class.
 // reads  pairs, camera vertices, light vertices          writes  candidates
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -9,7 +9,7 @@
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
-// Over how many connections the estimate of one camera vertex is divided.
+// Number of connections among which the estimate of one camera vertex is divided.
 float connection_count(Frame frame) {
   if (frame.cache_connections == 0u) return 1.0;
   float cached = float(LOAD(WordBuffer, frame.light_vertex_count, LIGHT_COUNT_VERTICES));
@@ -21,7 +21,7 @@ struct Connection {
   ConnectionPair pair;
   PathVertex camera, light;
   ConnectionEval camera_bsdf, light_bsdf;
-  bool is_diffused;  // behind the light vertex, see light_vertex_mis
+  bool is_diffused;  // is_diffused of light_vertex_mis
   uint iteration;
   float distance;
   float camera_pdf_scale, light_pdf_scale;  // solid-angle pdf towards the vertex to area pdf there

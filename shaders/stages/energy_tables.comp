@@ -62,7 +62,8 @@ void main() {
     vec3 mirrored = 2.0 * c * facet.h - wo;
     if (mirrored.z > 0.0) {
       float share = shadowed(wo, mirrored, facet.h, c, c, alpha, false);
-      // Nearly equal numbers are all rounded to one side. Of what is reflected totally the little that is missing counts.
+      // From inside, summed with compensation: nearly equal numbers would all be rounded to one side, and where nearly all
+      // is reflected the little that is missing counts.
       precise vec2 added = vec2(share, share * fresnel) - carry;
       precise vec2 sum = sums + added;
       carry = arguments.quantity == ENERGY_COVER_IN ? (sum - sums) - added : vec2(0.0);
@@ -74,7 +75,7 @@ void main() {
   }
   float reflected = sums.x, weighted = sums.y;
   if (is_cover && roughness == 0.0) {
-    // Exactly 1 at the critical angle, where the square root would make much of one rounding.
+    // Exactly 1 at the critical angle, where the square root would blow up a single rounding.
     bool is_total = node % ENERGY_NODES <= COVER_CRITICAL_NODE;
     float smooth_surface = is_total ? 1.0 : fresnel_dielectric(cos_o, refracted_g(cos_o, excess), excess);
     reflected = float(POINTS);

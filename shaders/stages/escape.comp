@@ -16,7 +16,7 @@ void main() {
   uint slot = queued_escape(i);
   Path path = LOAD(PathBuffer, frame.paths, slot);
   EnvironmentSample environment = environment_at(frame, path.direction);
-  // The accumulators are those of the ray itself: its end has no distance and no cosine (docs/mathematics.md 1).
+  // The accumulators are those of the ray itself, because its end has no distance and no cosine (docs/mathematics.md 1).
   float weight = 1.0;
   if (path.bounce > 0u) {
     float selection_pdf = frame.environment.selection_pdf;

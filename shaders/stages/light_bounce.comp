@@ -1,4 +1,4 @@
-// light_bounce: a light path at the surface of one material class: a stored vertex, a splat, the next ray.
+// light_bounce: a light path has met a surface of one material class: a stored vertex, a splat, the next ray.
 // reads  bounce queue of spec_material_class, paths, hits
 // writes light vertices and heads, splat candidates, paths, ray queue of the next bounce
 #version 460
@@ -29,8 +29,8 @@ void main() {
   path.mis_a *= connect_ratio;
   Path sharp_path = path;
   mis_arrive(path, hit.t, cos_here, is_parallel);
-  // With the vertex before this one not regularized: for a camera to which all from here on is sharp. Whether this
-  // vertex diffuses, its user knows: a merge has the camera's surface here.
+  // Accumulators with the previous vertex not regularized, for a camera that sees everything from here on sharply. Whether
+  // this vertex diffuses is known to whoever uses it: a merge has the camera's surface here.
   vec2 sharp = vec2(path.mis_a, path.mis_b);
   if (has_sharp_levels() && path.bounce > 0u) {
     vec2 carried = LOAD(Vec2Buffer, frame.light_path_sharp, slot);
@@ -62,7 +62,7 @@ void main() {
     if (has_histories()) history.sharp_ratio = history.ratio;
   }
   MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
-  // Light paths have an edge at least, and the one to the lens comes on top.
+  // A light path has at least one edge, and the edge to the lens comes on top.
   if (is_connectible(point) && path.bounce + 2u <= frame.max_depth) {
     connect_to_lens(frame, point, path, sharp_vertex, history, counts, hit);
   }

@@ -21,7 +21,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
   PathMedia media = start_media(NO_MEDIA);
   if (has_contacts()) {
-    // From the lens, whose medium is known, or found by start_media.
+    // The segment starts at the lens, whose medium is known or found by start_media.
     segment.origin = emission.point.position + lens.open_distance * lens.wi;
     segment.direction = -lens.wi;
     segment.t_max = lens.open_distance - emission.point.clearance / abs(cos_light);

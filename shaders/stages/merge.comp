@@ -10,7 +10,7 @@
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
-// Surfaces that are hardly there are hardly met: what is lost by this bound is of its size.
+// Surfaces with less coverage are hardly ever met: this bound loses a share of light of its own size.
 const float MIN_COVERAGE = 1e-3;
 
 // A camera vertex that gathers.
@@ -22,7 +22,7 @@ struct Gatherer {
   uint edges;
   uint pixel;
   uint iteration;
-  bool is_diffused;  // behind the vertex, which scatters as the camera's surface does: see light_vertex_mis
+  bool is_diffused;  // is_diffused of light_vertex_mis; the vertex scatters as the camera's surface does
   Regularization regularization;
   TechniqueCounts counts;
 };
@@ -63,7 +63,7 @@ Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint i
                   mix(bsdf.plain.value, value.unweighted, share));
 }
 
-// Which of the `total` light vertices in reach this dispatch looks at: [x, y), no more than MERGE_ROUND_LENGTH.
+// The range [x, y) of the `total` light vertices in reach that this dispatch looks at, MERGE_ROUND_LENGTH at most.
 uvec2 visits_of(Frame frame, uint slot, uint total) {
   if (stage.merge_units == 0u) return uvec2(0u, min(total, MERGE_ROUND_LENGTH));
   uint start = LOAD(WordBuffer, frame.merge_starts, slot);
@@ -104,7 +104,7 @@ void main() {
   gatherer.point =
       shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE, media);
   gatherer.vertex = camera;
-  // Both subpaths met the surface with the probability of its coverage, of which the path has one factor.
+  // Each subpath met the surface with the probability of its coverage, but the path has that factor once.
   Triangle triangle = placed_triangle(frame, camera.triangle).triangle;
   gatherer.vertex.throughput /= max(coverage_at(frame, triangle, camera.barycentrics), MIN_COVERAGE);
   gatherer.edges = camera.edges & PATH_VERTEX_EDGES;

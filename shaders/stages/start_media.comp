@@ -9,7 +9,7 @@
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
 
-// What lies before the lens dims an emitter that it sees. The segment starts at the lens.
+// Dims an emitter that the lens sees by what lies before the lens, where the segment starts.
 void dim_splat(Frame frame, uint i) {
   SplatCandidate splat = LOAD(SplatBuffer, frame.splats, i);
   PathMedia media = LOAD(PathMediaBuffer, frame.splat_media, i);

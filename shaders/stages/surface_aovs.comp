@@ -1,4 +1,4 @@
-// surface_aovs: what camera rays meet first: a function of the scene, the camera and the seed, whatever samples are
+// surface_aovs: what camera rays meet first, a function of the scene, the camera and the seed, whichever samples are
 // rendered. A dispatch traces ray `round` of each pixel, the last of them through the centres of the pixel and
 // of the lens; a loop over the rays here would take SwiftShader minutes to compile.
 // reads  frame.camera, scene, aovs          writes  aovs
@@ -18,7 +18,7 @@ vec3 albedo_of(Frame frame, ShadingPoint point) {
   return emitted_radiance(frame, point.material, point.material.emission, point.surface.uv, point.surface.color);
 }
 
-// Meets the scene through film point `film` and, chosen by u, the lens. False if there is nothing.
+// Meets the scene through film point `film` and a point of the lens that u chooses. False if there is nothing.
 bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
   vec3 origin, direction;
   camera_ray(frame.camera, film, vec2(frame.width, frame.height), u, origin, direction);

@@ -10,8 +10,8 @@
 #include "lib/footprint.glsl"
 #include "lib/shading.glsl"
 
-// The surface's last lobe: transmission if there is any. Rays keep to the middle of rough ones, so narrow
-// that it does not matter where in them they go.
+// Follows the surface's last lobe: transmission if there is any. In rough lobes the ray keeps to the middle; they are so
+// narrow that it does not matter where in them it goes.
 BsdfSample follow(ShadingPoint point) {
   const float NARROW_ALPHA = 1e-4;
   Bsdf bsdf = point.bsdf;

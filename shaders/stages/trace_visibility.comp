@@ -1,5 +1,5 @@
-// trace_visibility: adds the contribution of each candidate whose segment is free: to its path, or with connections,
-// of which a path has many at once, to its pixel.
+// trace_visibility: adds the contribution of each candidate whose segment is free: to its path, or, where there are
+// connections, of which a path has many at once, to its pixel.
 // reads  candidates          writes  radiance or film
 #version 460
 #extension GL_GOOGLE_include_directive : require
