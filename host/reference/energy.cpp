@@ -83,7 +83,7 @@ double remembered(std::atomic<double>& stored, const Function& compute) {
   return value;
 }
 
-/// The same for two numbers. The second is stored first: who finds the first known finds both.
+/// The same for two numbers. The second is stored first, so that whoever finds the first one finds both.
 template <typename Function>
 dvec2 remembered_pair(std::atomic<double>* stored, const Function& compute) {
   const double known = stored[0].load(std::memory_order_acquire);
@@ -128,7 +128,7 @@ struct Scattered {
   double reflected = 0, fresnel = 0, transmitted = 0;  // `fresnel`: the reflected, times their reflectance
 };
 
-/// What a surface does with even light from a direction with this cosine. `eta`: n(beyond) / n(here).
+/// Scatters even light from a direction with this cosine. `eta`: n(beyond) / n(here).
 Scattered scatter(const Microsurface& surface, double cosine, double eta,
                   uint32_t points = EnergyTables::NODE_POINTS) {
   const Microsurface seen = visible_normal_model(surface);
@@ -279,7 +279,7 @@ double EnergyTables::refracted(uint32_t index, double cosine, double roughness, 
 }
 
 double EnergyTables::node(uint32_t index, uint32_t quantity, uint32_t direction, uint32_t roughness) const {
-  // What a perfect reflector reflects does not depend on an index: it is kept once.
+  // A perfect reflector does not depend on an index: it has one plane.
   if (quantity == ENERGY_REFLECTED) index = 0;
   const size_t row = (index * PLANES + quantity) * size_t{ENERGY_NODES} + roughness;
   return remembered(nodes_[row * ENERGY_NODES + direction],

@@ -54,8 +54,8 @@ dvec3 direction_of(const Environment& environment, const dvec2& position) {
   return {std::sin(theta) * std::cos(phi), std::cos(theta), std::sin(theta) * std::sin(phi)};
 }
 
-/// Texel of a column that may lie beyond either side, which meet, and of a row that may lie beyond the poles,
-/// where the map ends.
+/// A texel. Columns beyond one side of the map continue on the other; rows beyond the poles are those at the
+/// poles.
 dvec3 texel(const Environment& environment, int64_t x, int64_t y) {
   const int64_t width = environment.parameters.width;
   const int64_t height = environment.parameters.height;

@@ -26,7 +26,7 @@ dvec2 lens_sample(const Settings& settings, uint32_t index, uint32_t iteration, 
   return {u.x, u.y};
 }
 
-/// The path as one system of weights has it, times `share`.
+/// Contributes the path with its value and weight of one system of weights, times `share`.
 void contribute_share(SampledPath sampled, const TechniqueSet& set, double share,
                       const ContributionSink& sink) {
   if (!(share > 0)) return;
@@ -45,7 +45,7 @@ void contribute_share(SampledPath sampled, const TechniqueSet& set, double share
 }  // namespace
 
 void contribute(SampledPath sampled, const TechniqueSet& set, const ContributionSink& sink) {
-  // Of one edge there is nothing to regularize, and only one technique.
+  // A path of one edge has nothing to regularize, and only one technique.
   const double share = sampled.path.length() == 1 ? 1 : regularized_share(sampled.path, set);
   if (share < 1) {
     SampledPath plain = sampled;
@@ -62,7 +62,7 @@ LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool i
   for (uint32_t i = 0; i < subpaths_.size(); ++i)
     for (auto m = static_cast<uint32_t>(subpaths_[i].vertices.size()); m >= 1; --m) {
       const WalkVertex& vertex = subpaths_[i].vertices[m - 1];
-      // By the side of the surface itself: a merge may see it where the shading normal does not.
+      // The side is that of the surface itself: a merge may see what the shading normal does not.
       const dvec3 side(0, 0, dot(vertex.w_back, vertex.surface.geometric_normal));
       if (!is_regularized && !vertex.bsdf.has_finite_lobe(side)) continue;
       numbered_.push_back({i, m});
@@ -106,8 +106,8 @@ Estimator::Estimator(const World& world, const Camera& camera, const Settings& s
     expected_cache_ = settings.expected_light_vertices;
     return;
   }
-  // How large the cache will be is not known before it is filled, but weights have to agree on a sample count
-  // from the start. Any will do that is the same for all; the first iteration's is near.
+  // The size of the cache is not known before it is filled, but weights have to agree on a sample count from
+  // the start. Any count will do that is the same for all; that of the first iteration is a good guess.
   Settings exact = settings;
   exact.rounding_pattern = 0;
   std::vector<LightSubpath> subpaths;
@@ -171,7 +171,7 @@ void Estimator::connect(const CameraSubpath& camera, size_t edges, uint32_t pixe
     return;
   }
   if (cache.size() == 0) return;
-  // Drawn from a cache of another size than expected: the count of samples that weights assume is not theirs.
+  // If the cache has another size than expected, weights assume another number of samples than there is.
   const double scale = cache.size() / expected_cache_;
   const ContributionSink scaled = [&](Contribution found) {
     found.unweighted *= scale;

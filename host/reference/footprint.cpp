@@ -7,7 +7,7 @@ namespace regulus::reference {
 
 namespace {
 
-// Of a Lambert lobe, by which angles are measured.
+// Angular variance of a Lambert lobe, by which angles are measured.
 constexpr double LAMBERT_VARIANCE = 0.25;
 
 }  // namespace

@@ -13,9 +13,9 @@ using namespace interface;
 
 namespace {
 
-// A random number has 24 digits; after 12 of them the next one goes on.
+// A random number has 24 digits; after 12 of them the next number takes over.
 constexpr double LAST_OF_FIRST_NUMBER = 1.0 / 4096;
-// Of a node that can be lit.
+// Share of a node that can send light, at least.
 constexpr double LEAST_SHARE = 1.0 / 1048576;
 
 /// Lights in a sphere, whose normals end in a ball.
@@ -35,7 +35,7 @@ dvec3 vector_of(uint32_t word) {
   return dvec3(byte_of(word, 0) - 128, byte_of(word, 1) - 128, byte_of(word, 2) - 128) / 127.0;
 }
 
-/// Bounds what a node sends to the receiver, for an intensity of 1.
+/// Bound on what a node sends to the receiver, for an intensity of 1.
 double importance(const Node& node, const Receiver& receiver) {
   const dvec3 towards = receiver.position - node.center;
   const double distance = length(towards);

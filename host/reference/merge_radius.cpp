@@ -15,13 +15,13 @@ namespace {
 
 constexpr uint32_t RAYS_PER_SIDE = 32;
 constexpr uint32_t MOST_EDGES = 16;  // through mirrors and glass
-// Of a perfectly specular surface the last lobe, which is transmission if there is any.
+// Random numbers that choose a perfectly specular surface's last lobe, which is transmission if there is any.
 constexpr glm::dvec4 LAST_LOBE(1 - 0x1p-24, 0.5, 0.5, 0);
 
 /// Points where rays met surfaces.
 struct Points {
   std::vector<dvec3> positions;
-  std::vector<double> depths;  // along the camera's axis, at the length of the path to here
+  std::vector<double> depths;  // along the camera's axis, by the length of the path
 
   void add(const dvec3& position, double depth) {
     positions.push_back(position);
@@ -96,7 +96,7 @@ SeenSurfaces see_surfaces(const World& world, const scene::SceneCamera& camera, 
   }
   const Points& seen = mergeable.positions.empty() ? first : mergeable;
   if (seen.positions.empty()) return {};
-  // Of a perspective picture at distance 1, of an orthographic one everywhere.
+  // At distance 1 for a perspective picture, at any distance for an orthographic one.
   const double picture_height = height * std::sqrt(film.pixel_area());
   const double depth = film.is_orthographic() ? 1 : median(seen.depths);
   return {MERGE_FOOTPRINT * picture_height * depth, extent_of(seen.positions)};

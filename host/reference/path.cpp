@@ -10,7 +10,7 @@ using glm::dvec3;
 
 namespace {
 
-/// |w . n_s| / |w . n_g|; 0 along the surface, from where no light arrives.
+/// |w . n_s| / |w . n_g|; 0 for directions along the surface, from where no light arrives.
 double normal_correction(const Surface& surface, const dvec3& w) {
   const double arrives = dot(w, surface.geometric_normal);
   return arrives == 0 ? 0 : std::abs(dot(w, surface.shading_normal) / arrives);
@@ -22,8 +22,7 @@ double squared_index_ratio(const Bsdf& bsdf, const Surface& surface, const dvec3
   return 1 / (eta * eta);
 }
 
-/// What regularization makes of the scattering between two directions, the first of which the bsdf sees as
-/// `seen_light`.
+/// Regularized scattering between two directions, the first of which the bsdf sees as `seen_light`.
 std::optional<ConnectedScattering> raised_between(const Surface& surface, const Bsdf& bsdf,
                                                   const dvec3& w_light, const dvec3& seen_light,
                                                   const dvec3& w_camera, const BsdfSample* delta,
@@ -199,7 +198,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& materi
   const bool is_refracted = sample.is_transmitted && bsdf.parameters().is_volume;
   const double index_ratio = is_refracted ? squared_index_ratio(bsdf, surface, w_camera) : 1.0;
   const bool is_radiance = transport == TransportMode::Radiance;
-  // value cos = factor: of radiance, which is that of importance times (n_camera / n_light)^2.
+  // value cos = factor of radiance, which is importance's times (n_camera / n_light)^2.
   const dvec3 factor = sample.weight * sample.pdf_forward * (is_radiance ? 1.0 : index_ratio);
 
   VertexScattering result;
@@ -212,7 +211,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& materi
   if (regularization.has_bounds)
     result.bound = estimator_bound(bsdf, to_material(surface, as_seen(surface, w_camera)),
                                    to_material(surface, lit.w), regularization);
-  // A clearcoat's own normal may see both at another cosine than the surface does.
+  // A clearcoat with a normal of its own may see both directions at other cosines than the surface does.
   const double cos_sampled = is_radiance || is_refracted ? cos_light : cos_camera;
   result.value = factor / cos_sampled * normal_correction(surface, w_light);
   result.reverse = is_radiance ? sample.pdf_forward : sample.pdf_reverse;

@@ -13,9 +13,9 @@ using namespace interface;
 
 namespace {
 
-constexpr double SHARP_ALPHA = 0.05;  // a surface with less, and without a diffuse lobe, does not diffuse
+constexpr double SHARP_ALPHA = 0.05;  // a surface with a smaller alpha and no diffuse lobe does not diffuse
 constexpr double MIN_REGULARIZED_BEND =
-    0.02;  // of the indices: less bend, and no roughness blurs (docs/mathematics.md 2.5)
+    0.02;  // between the indices: with less, no roughness blurs (docs/mathematics.md 2.5)
 constexpr double MIN_FACET_COSINE = 1e-4;  // docs/mathematics.md 2.4
 constexpr double DELTA_STAND_IN = 1e-6;    // alpha that stands for the limit 0: masking is off by its square
 
@@ -32,7 +32,8 @@ double root_of(const Function& f) {
   return 0.5 * (low + high);
 }
 
-/// The alpha at which the lobe's peak for this facet cosine is tau. Math.md 2.2; directional: 2.4.
+/// The alpha at which the lobe's peak for this facet cosine is tau (docs/mathematics.md 2.2;
+/// directional: 2.4).
 double reflection_alpha(const Regularization& regularization, uint32_t ndf, uint32_t shadowing, double c) {
   const double tau = regularization.tau;
   const bool is_v_cavity = shadowing == SHADOWING_V_CAVITY;
@@ -70,7 +71,7 @@ double largest_alpha(uint32_t ndf) {
   return ndf == NDF_BECKMANN ? std::sqrt(0.5) : 1.0;
 }
 
-/// Perceptual, of the tables.
+/// The perceptual roughness by which tables are looked up.
 double roughness_of(const dvec2& alpha) {
   return std::sqrt(std::sqrt(alpha.x * alpha.y));
 }
@@ -161,7 +162,7 @@ Bsdf with_raised_base(const Bsdf& bsdf, const dvec2& alpha, const dvec3& wo, con
   return bsdf.with_alpha(alpha).with_scaled_lobes(kept, 1);
 }
 
-/// Likewise its clearcoat's.
+/// The bsdf with its clearcoat's lobe raised.
 Bsdf with_raised_coat(const Bsdf& bsdf, const dvec2& alpha, const dvec3& wo) {
   const double camera_cosine = std::abs(bsdf.to_coat(wo, wo.z < 0).z);
   return bsdf.with_coat_alpha(alpha).with_scaled_lobes(
@@ -208,8 +209,8 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
     raised.pdf_wo *= raised.ratio;
     return raised;
   }
-  // The microfacet lobes alone, of a delta event those that are deltas: p / rho, from which the density
-  // cancels, and with it what is infinite of a delta.
+  // The microfacet lobes alone (for a delta event, those that are deltas): the density cancels from p / rho,
+  // and with it the infinity of a delta.
   const BsdfParameters& p = bsdf.parameters();
   const bool is_alone = is_delta_event && p.coat_normal;  // the other lobe's delta lies elsewhere
   const auto shared_alpha = [&](const dvec2& alpha, bool is_coat) {

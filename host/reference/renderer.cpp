@@ -23,7 +23,7 @@ struct Splat {
   dvec3 value;
 };
 
-/// The baseline that loses energy: scaled down to the largest allowed channel.
+/// Scaled down so that no channel exceeds `largest`. A baseline that loses energy.
 dvec3 clamped(const dvec3& value, double largest) {
   const double brightest = std::max({value.r, value.g, value.b});
   return brightest > largest ? value * (largest / brightest) : value;

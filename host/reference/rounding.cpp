@@ -36,8 +36,7 @@ Rounding::Rounding(uint32_t pattern, uint32_t stream, uint32_t sample, uint32_t 
 double Rounding::moved(double x, double amount) {
   if (!is_on_) return x;
   bits_ = mixed(bits_);
-  // Of one size the moves of two ends of a segment would cancel exactly, time and again, where roundings do
-  // not.
+  // If all moves had one size, those of a segment's two ends would often cancel exactly, as roundings do not.
   const double share = std::numbers::sqrt3 * (std::ldexp(static_cast<double>(bits_ >> 11), -52) - 1);
   return x + share * amount;
 }

@@ -49,7 +49,7 @@ bool is_dark(const Path& path, size_t first, size_t last) {
   return is_black(regularized) && is_black(plain);
 }
 
-/// Tries of virtual merges, if there are any.
+/// The tries of virtual merges, if the regularization has any.
 VirtualTries tries_of(const Regularization& regularization, const Stream& stream, uint32_t end,
                       size_t camera_edges, size_t light_edges, uint32_t light_path) {
   if (!regularization.is_virtual) return {};
@@ -60,8 +60,8 @@ double cosine(const Surface& surface, const dvec3& w) {
   return std::abs(dot(w, surface.geometric_normal));
 }
 
-/// The direction from which a camera walk's vertex looks for light that it meets in direction w, see
-/// connection_pdf(): on the side of its camera.
+/// The direction that tells connection_pdf() which side of a camera walk's vertex is lit, for light from
+/// direction w: w itself, or if it lies beyond the facet's horizon the camera's.
 dvec3 looks_towards(const WalkVertex& vertex, const dvec3& w) {
   return is_beyond_horizon(vertex.surface, w, vertex.w_back) ? vertex.w_back : w;
 }
@@ -212,7 +212,7 @@ std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t ligh
                                           const CameraSubpath& camera, size_t camera_edges) {
   const WalkVertex& at = camera.vertices[camera_edges - 1];
   const WalkVertex& other = light.vertices[light_edges - 1];
-  // Both walks met the surface with the probability of its coverage, of which the path has one factor.
+  // Each walk met the surface with the probability of its coverage, but the path has that factor once.
   const double coverage = std::max(at.surface.coverage, 1e-3);
   SampledPath sampled{path_of_length(light_edges + camera_edges), TECHNIQUE_MERGE, light_edges,
                       at.survival * other.survival * coverage};

@@ -64,7 +64,7 @@ Technique connection(const WeighedPath& paths, uint32_t kind, size_t s, double s
 }
 
 Technique hit(const WeighedPath& paths) {
-  // No walk arrives at the point of a light that is no surface.
+  // No walk can arrive at a light that is not a surface.
   return technique(paths, TECHNIQUE_HIT, 0, can_be_hit(paths.path.light.kind) ? 1 : 0, 0, 0);
 }
 

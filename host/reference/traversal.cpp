@@ -97,7 +97,7 @@ double contact_reach(const Ray& ray, double t) {
   return CONTACT_REACH / CONTACT_MIN_COS * contact_error(ray, t);
 }
 
-/// By what hits are ordered, and how near two must be for their order to decide. Infinite: not met.
+/// What hits are ordered by, and how near two must be for `order` to decide. Infinite: not met.
 struct ContactKey {
   double value = std::numeric_limits<double>::infinity();
   double tie = 0;

@@ -52,13 +52,13 @@ bool leaves_beyond(const WalkVertex& vertex, TransportMode transport) {
   return transport == TransportMode::Radiance && vertex.scattering.is_beyond;
 }
 
-// Places of a walk's rays in Rounding, apart from those of its random blocks.
+// Places of a walk's rays in Rounding, which must differ from those of its random blocks.
 constexpr uint32_t ROUNDING_CAMERA = 1u << 30;
 constexpr uint32_t ROUNDING_LIGHT = 3u << 30;
 
-// A given point counts as where a direction leads if it is this near, relative to the distance and to the
-// size of the scene, beside how far off its surface a ray may have started: single precision keeps far within
-// it, another lobe does not.
+// A direction leads to a given point if it passes within this distance of it, relative to the distance and to
+// the size of the scene, plus how far off its surface a ray may have started. Single precision stays far
+// within this, another lobe does not.
 constexpr double GIVEN_ANGLE = 1e-3;
 constexpr double GIVEN_OFFSET = 1e-5;
 
@@ -83,7 +83,7 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface*
   const double off_surface = start == nullptr ? 0 : clearance(world, *start);
   if (!(miss <= GIVEN_ANGLE * distance + GIVEN_OFFSET * world.radius() + off_surface)) return std::nullopt;
   if (world.has_contacts()) {
-    // The solids on the way are those that any ray there meets before.
+    // The solids around the point are found by meeting everything that lies before it.
     Ray shorter = ray;
     shorter.t_max = distance - GIVEN_OFFSET * (world.radius() + distance);
     world.meet(shorter, place);
@@ -91,10 +91,10 @@ std::optional<Arrival> follow(const World& world, const Ray& ray, const Surface*
   return Arrival{surface, distance};
 }
 
-// Of the device's tables of rough interfaces against those of the reference
+// Difference between the tables of rough interfaces of device and reference
 // (RoughBase.TablesOfDeviceAndReferenceAgree).
 constexpr double COVER_TABLE_ERROR = 6e-6;
-// Of the device's fit of a smooth interface's mean reflectance (fresnel_mean_position).
+// Error of the device's fit of a smooth interface's mean reflectance (fresnel_mean_position).
 constexpr double FRESNEL_FIT_ERROR = 1e-5;
 
 /// A surface point as single precision has it.
@@ -148,8 +148,8 @@ struct Walk {
     std::optional<Arrival> at = given == nullptr ? trace(world, ray, state.place)
                                                  : follow(world, ray, start, (*given)[bounce], state.place);
     if (!at) return std::nullopt;
-    // Between the surfaces themselves: rays start off them. Those that start beyond a facet's horizon leave
-    // no surface.
+    // The way lies between the surfaces themselves, although rays start off them. Rays that start beyond a
+    // facet's horizon leave no surface.
     constexpr double NO_WAY = 1e-15;  // m; densities divide by it
     if (world.has_contacts() && start != nullptr && state.place.triangle != INVALID_INDEX)
       at->distance = std::max(length(at->surface.position - start->position), NO_WAY);
@@ -172,7 +172,7 @@ bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, con
   const dvec3& w_camera = is_radiance ? vertex.w_back : sample.wi;
   vertex.scattering =
       scattering_of_sample(vertex.surface, vertex.bsdf, w_light, w_camera, sample, transport, regularization);
-  // f cos / p with the path's own factors, so shading normals are corrected in light walks.
+  // f cos / p with the path's own factors, which correct for shading normals in light walks.
   const double pdf = is_radiance ? vertex.scattering.reverse : vertex.scattering.forward;
   const dvec3 weight =
       vertex.scattering.value * std::abs(dot(sample.wi, vertex.surface.geometric_normal)) / pdf;
@@ -207,13 +207,13 @@ Regularization regularization_of(const Settings& settings, uint32_t sample) {
 }
 
 Regularization regularization_at(const Settings& settings, uint32_t sample, const Footprint& footprint) {
-  // Below this a bundle counts as sharp, whatever tau is.
+  // A bundle with less diffusion counts as sharp, whatever tau is.
   constexpr double MIN_DIFFUSION = 1e-6;
   Regularization regularization = regularization_of(settings, sample);
   constexpr uint32_t PATH_TRACING = TECHNIQUE_HIT | TECHNIQUE_NEE;
   if (!regularization.has_diffusion || (settings.techniques & ~PATH_TRACING) != 0) return regularization;
   const double sigma = diffusion(footprint);
-  regularization.has_diffusion = false;  // no levels: the vertex's own tau says it all
+  regularization.has_diffusion = false;  // no levels: the vertex has a tau of its own
   regularization.has_bundle = true;
   regularization.tau /= std::max(sigma, MIN_DIFFUSION);
   if (sigma <= MIN_DIFFUSION) regularization.is_on = false;

@@ -19,8 +19,8 @@ namespace {
 
 // Alpha below which a lobe that is not a delta is evaluated as if it had this one: part of the model.
 constexpr double MIN_ALPHA = 1e-7;
-// A segment begins this far off its surface, relative to the coordinates: enough for a second triangle in the
-// same place to be passed over like the first, too little for anything else to fit in between.
+// A segment begins this far off its surface, relative to the coordinates: enough to pass over a second
+// triangle in the same place, too little for anything else to fit in between.
 constexpr double SEGMENT_START = 1e-10;
 
 // Least roughness across the direction of an anisotropic material: part of the model.
@@ -121,7 +121,7 @@ void World::set_bulge(Surface& surface, const scene::PlacedTriangle& placed, con
   }
   if (!(std::abs(spread) > LEAST_BULGE * perimeter)) return;
   surface.bulge = spread > 0 ? 1 : -1;
-  // Hanika 2021: to the tangent planes of the vertices that lie above, interpolated.
+  // Hanika 2021: projected onto the tangent planes of the vertices that lie above, and interpolated.
   for (size_t i = 0; i < 3; ++i) {
     const dvec3 up = static_cast<double>(surface.bulge) * normalize(n[i]);
     surface.rise += b[static_cast<int>(i)] * std::max(dot(p[i] - surface.position, up), 0.0) * up;
@@ -311,7 +311,7 @@ bool World::is_passed(const Media& around, uint32_t solid) const {
 
 namespace {
 
-// Interfaces without any that a ray passes at most: as in shaders/lib/contacts.glsl.
+// A ray passes at most this many interfaces that are none, as in shaders/lib/contacts.glsl.
 constexpr int MAX_PASSED = 64;
 
 void cross_boundary(Media& media, uint32_t solid, bool is_front) {
@@ -382,7 +382,8 @@ Ray World::ray_from(const Surface& surface, const dvec3& direction, bool is_beyo
   const double largest = std::max({size.x, size.y, size.z});
   Ray ray{surface.position, direction};
   if (has_contacts()) {
-    // Off what else lies in the same plane, as the device's clearance; boundaries of closed solids need none.
+    // Off whatever else lies in the same plane, like the device's clearance; boundaries of closed solids need
+    // none.
     const double side = dot(direction, surface.geometric_normal) < 0 ? -1 : 1;
     if (!bounds_closed_solid(surface.triangle))
       ray.origin += side * CONTACT_CLEARANCE * 0x1p-24 * largest * surface.geometric_normal;
