@@ -10,8 +10,8 @@
 
 namespace regulus::reference {
 
-/// Density of the points where rays from (or to) an end of a path arrive. Per steradian, or, if all rays are
-/// parallel, per square metre across them.
+/// Density of rays from (or to) an end of a path: per steradian, or, if all rays are parallel, per square
+/// metre across them.
 struct RayDensity {
   double value = 0;
   bool is_parallel = false;
@@ -42,8 +42,8 @@ class Camera {
   /// A ray from the lens, seeing from one clipping plane to the other.
   CameraRay clipped(const glm::dvec3& origin, const glm::dvec3& direction) const;
 
-  /// Density of rays of that direction if film points have density 1 per square pixel, given the point on the
-  /// lens.
+  /// Density of rays in a direction, given the point on the lens, if film points have density 1 per square
+  /// pixel.
   RayDensity density(const glm::dvec3& direction) const;
 
   /// Where light from `point` reaches the film through the lens point of `u`, and by which ray (from the lens
@@ -55,14 +55,14 @@ class Camera {
   };
   std::optional<Projection> project(const glm::dvec3& point, const glm::dvec2& u) const;
 
-  /// Of a point along the camera's axis, m.
+  /// Depth of a point along the camera's axis, m.
   double depth(const glm::dvec3& point) const { return dot(point - position_, forward_); }
 
   uint32_t width() const { return width_; }
   uint32_t height() const { return height_; }
   bool is_orthographic() const { return is_orthographic_; }
   double lens_radius() const { return lens_radius_; }  ///< m
-  /// Of one pixel: on the plane at distance 1 (perspective), or in space (orthographic).
+  /// Area of one pixel: on the plane at distance 1 (perspective), or in space (orthographic).
   double pixel_area() const { return pixel_area_; }
 
  private:

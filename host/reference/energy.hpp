@@ -1,6 +1,6 @@
-// Tables in double precision of what a rough interface keeps by single scattering, at nodes of roughness and
-// direction, bilinear between them: for energy compensation (Turquin 2019; the model stands in
-// shaders/lib/energy.glsl) and for diffuse bases (shaders/lib/cover.glsl).
+// Tables, in double precision, of the light that a rough interface keeps in single scattering, at nodes of
+// roughness and direction and bilinear between them: for energy compensation (Turquin 2019; the model stands
+// in shaders/lib/energy.glsl) and for diffuse bases (shaders/lib/cover.glsl).
 #pragma once
 
 #include <atomic>
@@ -21,11 +21,11 @@ class EnergyTables {
   static constexpr uint32_t NODE_POINTS = 2048;
   static constexpr uint32_t REFRACTED_POINTS = 1024;
 
-  /// Tables for interfaces of these indices of refraction; beyond ENERGY_MAX_INDICES different ones, of
-  /// evenly chosen ones of them.
+  /// Tables for interfaces of these indices of refraction, or if there are more than ENERGY_MAX_INDICES
+  /// different ones, for an even choice of them.
   EnergyTables(std::vector<float> indices, uint32_t ndf, uint32_t shadowing);
 
-  /// The number of the tables whose index is nearest to `ior`.
+  /// Number of the tables with the index nearest to `ior`.
   uint32_t nearest(double ior) const;
 
   /// E: share of even light from a direction that a perfectly reflecting surface reflects. `roughness`:
@@ -64,12 +64,12 @@ class EnergyTables {
   uint32_t ndf_, shadowing_;
   // By index, plane and node, and by index, plane and row; of covers by index, side, node and coordinate; of
   // refracted() by index, side and node.
-  // NaN: not yet known; threads that race store the same number.
+  // NaN: not known yet; threads that race store the same number.
   std::unique_ptr<std::atomic<double>[]> nodes_, means_, cover_nodes_, cover_means_, refracted_nodes_;
 };
 
-/// How much the tables count, from outside, for the base of an interface of this roughness, against the
-/// reflectance of a smooth one.
+/// Weight of the tables, against the reflectance of a smooth interface, for the base under an interface of
+/// this roughness seen from outside.
 double cover_share(double roughness);
 
 }  // namespace regulus::reference

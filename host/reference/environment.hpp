@@ -14,7 +14,7 @@ glm::dvec3 environment_radiance(const scene::Environment& environment, const glm
 /// The direction that two uniform numbers choose.
 glm::dvec3 sample_environment(const scene::Environment& environment, const glm::dvec2& u);
 
-/// Its density, 1/sr.
+/// Density of sample_environment(), 1/sr.
 double environment_pdf(const scene::Environment& environment, const glm::dvec3& w);
 
 }  // namespace regulus::reference

@@ -78,11 +78,11 @@ class Estimator {
   void camera_sample(uint32_t pixel, uint32_t sample, const LightCache* cache,
                      const ContributionSink& sink) const;
 
-  /// Splats of a light walk; `index` and `sample` are its own.
+  /// Splats of the light walk `index` of the iteration of `sample`.
   void light_sample(const LightSubpath& light, uint32_t index, uint32_t sample,
                     const ContributionSink& sink) const;
 
-  /// True if some technique starts from lights.
+  /// True if some technique needs paths from lights.
   bool needs_light_subpaths() const;
 
  private:
@@ -93,7 +93,7 @@ class Estimator {
   const World& world_;
   const Camera& camera_;
   const Settings& settings_;
-  double expected_cache_ = 1;  // light vertices of the first iteration of all
+  double expected_cache_ = 1;  // light vertices of the very first iteration
 };
 
 }  // namespace regulus::reference

@@ -7,9 +7,9 @@
 
 namespace regulus::reference {
 
-/// One of interface::AovPixel for each rendered pixel, row by row, in single precision: means over AOV_RAYS
-/// camera rays as the first samples of the pixel send them, and what the ray through the middles of lens and
-/// pixel meets.
+/// An interface::AovPixel for each rendered pixel, row by row, in single precision: means over AOV_RAYS
+/// camera rays, those of the pixel's first samples, and what the ray through the middles of lens and pixel
+/// meets.
 std::vector<interface::AovPixel> first_hits(const World& world, const Camera& camera,
                                             const Settings& settings);
 

@@ -25,8 +25,8 @@ Footprint travelled(const Footprint& footprint, double distance);
 /// `eta`: relative index n(other side) / n(side of the ray).
 Footprint scattered(const Footprint& footprint, const BsdfSample& event, double curvature, double eta);
 
-/// sigma~: twice the standard deviation of the angle, at most 1, which it is after a Lambert lobe. A vertex
-/// where paths arrive with it is regularized with tau / sigma~.
+/// sigma~: twice the standard deviation of the angle, at most 1, its value after a Lambert lobe. A vertex
+/// where paths arrive with this footprint is regularized with tau / sigma~.
 double diffusion(const Footprint& footprint);
 
 }  // namespace regulus::reference

@@ -24,17 +24,17 @@ constexpr bool can_be_hit(uint32_t kind) {
 struct LightPoint {
   uint32_t light = interface::INVALID_INDEX;
   uint32_t kind = interface::LIGHT_TRIANGLE;
-  Surface surface;  ///< triangles: all of it; point and spot lights: the position; distant lights: nothing
+  Surface surface;  ///< all of it for triangles; only the position for point and spot lights; else unused
   glm::dvec3 direction{0};  ///< distant lights: unit, towards the light
-  /// Share of the surface that is there, where the point was sampled; a ray that hit it has decided already.
+  /// Share of the surface that is there, if the point was sampled; 1 if a ray hit it, which has decided.
   double coverage = 1;
 
   bool is_triangle() const { return kind == interface::LIGHT_TRIANGLE; }
   bool is_distant() const { return reference::is_distant(kind); }
 };
 
-/// The light that two uniform numbers choose by power. The bucket is found in single precision like the
-/// device's: it is a decision, and decisions have to agree. Precondition: the scene has lights.
+/// The light that two uniform numbers choose by power. The bucket is found in single precision, as on the
+/// device, because it is a decision, and decisions have to agree. Precondition: the scene has lights.
 uint32_t select_light(const scene::Scene& scene, const glm::dvec2& u);
 
 /// A point of the light: uniform on a triangle, the position of a point or spot light, a direction of the
@@ -75,13 +75,13 @@ struct EmissionRay {
   glm::dvec3 origin, direction;
 };
 
-/// Draws it with density emission_density(); `u_direction` serves the lights that have directions to choose,
-/// `u_position` places the ray of a directional light on the scene's disk, `u_direction` that of the
-/// environment, whose position was its direction.
+/// Draws it with density emission_density(). `u_direction` chooses the direction of lights that have a
+/// choice; `u_position` places the ray of a directional light on the scene's disk. For the environment, whose
+/// position was its direction, `u_direction` does so.
 EmissionRay sample_emission(const World& world, const LightPoint& point, const glm::dvec2& u_position,
                             const glm::dvec2& u_direction);
 
-/// Where a ray starts that leaves the point of a light.
+/// The place from which a ray leaves the point of a light.
 Place place_of_light(const World& world, const LightPoint& point, const Ray& ray);
 
 /// Radiant intensity factor of a spot in this unit direction, whose cosine with the axis is c: clamp((c -

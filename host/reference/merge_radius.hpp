@@ -6,10 +6,10 @@
 
 namespace regulus::reference {
 
-/// Of the picture's height: the footprint that the radius of merges has at the surfaces seen, where none is
-/// given.
+/// Where no radius is given, merges have the footprint of this share of the picture's height at the surfaces
+/// seen.
 inline constexpr double MERGE_FOOTPRINT = 1e-3;
-/// Largest radius where none is given, and bounds on one that is given, in extents of what is seen.
+/// Largest default radius, and bounds on a given one, in extents of what is seen.
 inline constexpr double LARGEST_DEFAULT_RADIUS = 0.01, LARGEST_GIVEN_RADIUS = 0.1, LEAST_GIVEN_RADIUS = 1e-6;
 /// Radius where camera rays meet no surface at all, in radii of the scene: nothing can merge then.
 inline constexpr double UNSEEN_RADIUS = 0.003;
@@ -24,8 +24,8 @@ struct SeenSurfaces {
 
 /// Follows 32 x 32 rays, evenly spread over a film of width x height pixels (whose shape alone matters),
 /// through mirrors and clear glass to the first surface where paths can merge: one with a lobe that is not a
-/// delta, and that does not shine itself. If none of them comes to such a surface, the first surfaces they
-/// meet count.
+/// delta, and that does not emit light itself. If no ray comes to such a surface, the first surfaces that
+/// rays meet count.
 SeenSurfaces see_surfaces(const World& world, const scene::SceneCamera& camera, uint32_t width,
                           uint32_t height);
 
@@ -35,14 +35,14 @@ struct MergeRadius {
   const char* rule;  ///< a few words
 };
 
-/// Where none is given: the footprint, at most LARGEST_DEFAULT_RADIUS of the extent.
+/// The radius where none is given: the footprint, at most LARGEST_DEFAULT_RADIUS of the extent.
 MergeRadius default_merge_radius(const SeenSurfaces& seen, double scene_radius);
 
-/// In metres, where a share of the extent is asked for; all of it at most. Where nothing is seen, of the
-/// scene's radius.
+/// The radius in metres where a share of the extent is asked for, at most the whole extent. Where nothing is
+/// seen, the share is of the scene's radius.
 float radius_of_share(float share, const SeenSurfaces& seen, double scene_radius);
 
-/// Where `metres` are asked for (finite, above 0): those, kept between LEAST_GIVEN_RADIUS and
+/// The radius where `metres` (finite, above 0) are asked for: kept between LEAST_GIVEN_RADIUS and
 /// LARGEST_GIVEN_RADIUS of the extent.
 MergeRadius given_merge_radius(float metres, const SeenSurfaces& seen, double scene_radius);
 

@@ -22,7 +22,7 @@ struct Microsurface {
   bool has_unit_density = false;
 };
 
-/// Which of the two directions of a facet pair lie on which side of it.
+/// Whether two directions lie on the same side of a facet or on different sides.
 enum class Scattering { Reflection, Transmission };
 
 /// Exponent n of the Cosine (Blinn-Phong) distribution: 2 / alpha^2 - 2. Isotropic.

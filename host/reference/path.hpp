@@ -19,12 +19,12 @@ namespace regulus::reference {
 using Wide = long double;
 using WideColor = glm::vec<3, Wide>;
 
-/// Scattering at a vertex as connections and merges have it.
+/// Scattering at a vertex as connections and merges see it.
 struct ConnectedScattering {
   glm::dvec3 value{0};  ///< rho^, like VertexScattering::value
   double forward = 0;   ///< pdfs that weights use in place of VertexScattering's: times rho^W / rho
   double reverse = 0;
-  bool is_possible = false;  ///< false: no connection and no merge finds a path that scatters here like this
+  bool is_possible = false;  ///< whether a connection or merge can find a path that scatters here like this
   double ratio = 1;          ///< rho^W / rho; 0 of a delta event
 };
 
@@ -36,13 +36,13 @@ struct VertexScattering {
   double forward = 0;   ///< solid-angle pdf of w_camera for a walk that came from w_light
   double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
   bool is_delta = false;
-  bool diffuses = false;          ///< see diffuses(): what is before this vertex is regularized
-  bool is_always_raised = false;  ///< without path diffusion, or by what the camera path's own bundle is
-  bool has_bundle = false;        ///< the latter: lights without extent still need a vertex that diffuses
+  bool diffuses = false;  ///< see diffuses(): vertices on the light's side of this one are regularized
+  bool is_always_raised = false;  ///< without path diffusion, or by the camera path's own bundle
+  bool has_bundle = false;        ///< by the bundle; lights without extent still need a vertex that diffuses
   double bound = 0;               ///< estimator_bound(), if wanted
   bool is_beyond = false;         ///< see is_beyond_horizon(): no light walk arrives here
-  /// What a connection has if the vertex is regularized and that makes a difference. Pdfs of a delta event
-  /// are finite there, its delta being shared by all that can find the path.
+  /// What a connection sees if the vertex is regularized and that makes a difference. Its pdfs are finite
+  /// even for a delta event, because all techniques that can find the path share the delta.
   std::optional<ConnectedScattering> raised;
 };
 
@@ -71,7 +71,7 @@ struct Path {
   std::vector<Edge> edges;                 ///< edges[i] from x_i to x_{i+1}; K of them
   RayDensity camera;                       ///< of camera rays towards x_{K-1}, film density 1 / px^2
   double camera_bound = 0;                 ///< rho-bar of the camera, see camera_bound()
-  double longest_edge = 0;  ///< m: as what edges to distant ends, and longer ones, count for sampler quality
+  double longest_edge = 0;                 ///< m: for sampler quality no edge counts as longer than this
 
   size_t length() const { return edges.size(); }
 };
@@ -86,8 +86,8 @@ double pdf_from_light(const Path& path, size_t i);
 /// per steradian.
 double pdf_from_camera(const Path& path, size_t i);
 
-/// What a connection or merge has at interior vertex x_i. It is regularized if some vertex between it and the
-/// camera diffuses: path diffusion with two levels (docs/mathematics.md 3.8 A).
+/// What a connection or merge sees at interior vertex x_i. The vertex is regularized if some vertex between
+/// it and the camera diffuses: path diffusion with two levels (docs/mathematics.md 3.8 A).
 ConnectedScattering connected_at(const Path& path, size_t i);
 
 /// f of the path as a technique measures it that connects or merges at vertices first .. last (none if first
@@ -160,9 +160,9 @@ struct Lit {
 };
 Lit lit_from(const Surface& surface, const glm::dvec3& w_light, const glm::dvec3& w_camera);
 
-/// The direction as which a surface's bsdf sees w: w, or if the normals
-/// disagree about it, w after a half-turn about the line in which their planes meet, about which they agree.
-/// Its own inverse; keeps solid angles and absolute cosines with both normals.
+/// The direction w as a surface's bsdf sees it: w itself, or, if the normals disagree about its side, w after
+/// a half-turn about the line in which their planes meet. Its own inverse; keeps solid angles and absolute
+/// cosines with both normals.
 glm::dvec3 as_seen(const Surface& surface, const glm::dvec3& w);
 
 }  // namespace regulus::reference

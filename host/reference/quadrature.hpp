@@ -7,8 +7,8 @@
 
 namespace regulus::reference {
 
-/// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (exact for polynomials of degree 15);
-/// only the positive half, the rule is symmetric. Abramowitz and Stegun, table 25.4.
+/// Nodes and weights of the 8-point Gauss-Legendre rule on [-1, 1] (exact for polynomials of degree 15). Only
+/// the positive half: the rule is symmetric. Abramowitz and Stegun, table 25.4.
 struct GaussLegendre8 {
   static constexpr std::array<double, 4> NODES = {0.1834346424956498, 0.5255324099163290, 0.7966664774136267,
                                                   0.9602898564975363};

@@ -10,26 +10,26 @@
 
 namespace regulus::reference {
 
-/// What one iteration is regularized with.
+/// How one iteration is regularized.
 struct Regularization {
   bool is_on = false;
-  bool has_diffusion = true;  ///< only what lies behind a surface that diffuses is regularized
-  bool has_bundle = false;    ///< tau is that of a camera path's bundle, in path tracing with diffusion
+  bool has_diffusion = true;  ///< only what the camera sees behind a surface that diffuses is regularized
+  bool has_bundle = false;    ///< tau is that of a camera path's bundle (path tracing with diffusion)
   double tau = 100;           ///< bound on a lobe's density, 1/sr
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
-  double alpha_scale = 1;   ///< of alpha_tau: the schedule's share in this iteration
+  double alpha_scale = 1;   ///< factor of the schedule on alpha_tau in this iteration
   bool is_virtual = false;  ///< virtual merges: what is measured is what a lobe sends into a cone
   bool has_bounds = false;  ///< estimator_bound() is wanted, for sampler quality
   double full_tau = 100;    ///< tau without path diffusion
 };
 
-/// Scattering between two directions as connections and merges have it: what they measure, and the pdfs of
-/// docs/mathematics.md 3.1, of the walk times rho^W / rho (rho^W: rho^, or with its peak blended in, 3.9).
-/// These are finite for delta lobes, whose p and rho share a delta that cancels.
+/// Scattering between two directions as connections and merges see it: what they measure, and the pdfs of
+/// docs/mathematics.md 3.1, which are the walk's times rho^W / rho (rho^W: rho^, or with its peak blended
+/// in, 3.9). These are finite for delta lobes, whose p and rho share a delta that cancels.
 struct RaisedScattering {
   /// rho^(wo, wi), 1/sr, as radiance. A raised lobe is scaled so that wo, towards the camera, gets as much of
-  /// even light as before: by its energies in single scattering with alpha and with alpha^.
+  /// even light as before: by the ratio of its energies in single scattering with alpha and with alpha^.
   glm::dvec3 value{0};
   double pdf_wi = 0;  ///< of wi given wo
   double pdf_wo = 0;  ///< of wo given wi
@@ -44,9 +44,9 @@ double alpha_at_normal(const Regularization& regularization, uint32_t ndf, uint3
 glm::dvec2 raised_alpha(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                         const Regularization& regularization);
 
-/// The pair in the bsdf's frame. `delta`: the pair was found by sampling a delta lobe, which outweighs all
-/// others there; else null. Nothing if no connection can stand in for that event: the lobe stays a delta, or
-/// weights are left unmodified.
+/// Raised scattering of a pair in the bsdf's frame. `delta`: the event, if the pair was found by sampling a
+/// delta lobe, which outweighs all others there; else null. Returns nothing if no connection can stand in for
+/// that event: the lobe stays a delta, or weights are left unmodified.
 std::optional<RaisedScattering> raise(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                                       const BsdfSample* delta, const Regularization& regularization);
 
@@ -58,8 +58,8 @@ glm::dvec3 virtual_merge(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec
                          TransportMode mode, const Regularization& regularization,
                          const std::vector<glm::dvec3>& tries);
 
-/// The bsdf with only the base's microfacet lobe beside the diffuse one, or with `is_coat` only the
-/// clearcoat's; with the alpha that regularization raises it to between two directions.
+/// The bsdf with a single microfacet lobe besides the diffuse one: the base's, or with `is_coat` the
+/// clearcoat's, with the alpha that regularization raises it to between two directions.
 Bsdf raised_alone(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, bool is_coat,
                   const Regularization& regularization);
 
@@ -68,9 +68,9 @@ Bsdf raised_alone(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, 
 bool raises_facets(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi, bool is_coat,
                    const Regularization& regularization);
 
-/// rho-bar (docs/mathematics.md 2.1 with Gbar = 1, and 2.5): peak of the lobe that scatters wo to wi, with
-/// the alpha of walks, a mixture's lobes by their shares of the fully regularized value at the pair. 1/sr,
-/// between 1e-10 and 1e10. Symmetric.
+/// rho-bar (docs/mathematics.md 2.1 with Gbar = 1, and 2.5): the peak, with the alpha of walks, of the lobe
+/// that scatters wo to wi; for a mixture the mean over its lobes by their shares of the fully regularized
+/// value at the pair. 1/sr, between 1e-10 and 1e10. Symmetric.
 double estimator_bound(const Bsdf& bsdf, const glm::dvec3& wo, const glm::dvec3& wi,
                        const Regularization& regularization);
 

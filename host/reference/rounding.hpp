@@ -1,4 +1,4 @@
-// What single precision may do to the numbers of a walk, for measuring how well conditioned its results are.
+// Moves the numbers of a walk as single precision may, to measure how well conditioned its results are.
 #pragma once
 
 #include <cstdint>
@@ -25,9 +25,9 @@ class Rounding {
   uint64_t bits_;
 };
 
-/// How far off a surface, in m, single precision has to start its rays lest they meet it again: the triangle
-/// test for an origin on the triangle errs by 20 roundings of E (E^2 / 2 area), E the distance to its
-/// farthest vertex. Of needles only a part is provided for.
+/// How far off a surface, in m, rays in single precision have to start so as not to meet it again: the
+/// triangle test for an origin on the triangle errs by 20 roundings of E (E^2 / 2 area), E being the distance
+/// to its farthest vertex. For needles only a part of that is provided.
 double clearance(const World& world, const Surface& surface);
 
 /// The ray as single precision may have left it: origin and direction moved by two roundings. From a surface

@@ -15,7 +15,7 @@ double sheen_scattering(double cos_h, double cos_o, double cos_i, double alpha);
 /// Share of light that white sheen reflects, more than 1 at grazing: int D V cos_i dw_i by quadrature.
 double integrated_sheen(double cos_o, double alpha);
 
-/// The same as the model has it: between the nodes of a table (interface/sheen.h), linearly.
+/// The same as the model defines it: linear between the nodes of a table (interface/sheen.h).
 class SheenTable {
  public:
   explicit SheenTable(std::vector<float> nodes) : nodes_(std::move(nodes)) {}
@@ -26,7 +26,7 @@ class SheenTable {
   std::vector<float> nodes_;
 };
 
-/// Roughness of sheen that is given this one.
+/// The roughness with which sheen is evaluated for a material's sheen roughness.
 double sheen_roughness(double roughness);
 
 }  // namespace regulus::reference

@@ -1,5 +1,5 @@
-// Finished paths out of subpaths: by hitting an emitter, by connecting two vertices or a vertex and an end,
-// by merging. Directions and cosines of a merged path come from the walk to which each edge belongs.
+// Makes finished paths out of subpaths: by hitting an emitter, by connecting two vertices or a vertex and an
+// end, by merging. Directions and cosines of a merged path come from the walk to which each edge belongs.
 #pragma once
 
 #include <optional>
@@ -39,7 +39,7 @@ std::optional<SampledPath> connect_vertices(const World& world, const LightSubpa
 std::optional<SampledPath> connect_to_lens(const World& world, const Camera& lens, uint32_t lens_medium,
                                            const LightSubpath& light, size_t edges, const glm::dvec2& u_lens);
 
-/// Two vertices taken as one: it scatters as the camera walk's does.
+/// Two vertices taken as one, which scatters as the camera walk's does.
 std::optional<SampledPath> merge_vertices(const LightSubpath& light, size_t light_edges,
                                           const CameraSubpath& camera, size_t camera_edges);
 

@@ -14,7 +14,7 @@
 
 namespace regulus::reference {
 
-/// What a ray knows of its place where surfaces touch (FEATURE_CONTACTS): the rules of
+/// State of a ray among surfaces that touch (FEATURE_CONTACTS). The rules are those of
 /// shaders/lib/contacts.glsl, with the same tolerances, so that decisions agree.
 struct Contact {
   Media around;                                          ///< the solids there
@@ -25,7 +25,7 @@ struct Contact {
   uint32_t triangle = interface::INVALID_INDEX;          ///< the triangle that it starts on
   bool is_blind =
       false;  ///< meets closed solids only, to find what holds its origin: `around` is what it has entered
-  Media holding{};  ///< and this what it has left without
+  Media holding{};  ///< if blind: what it has left without having entered it
 };
 
 /// origin + t * direction for t in (t_min, t_max). Two triangles can be passed over: those on which a segment
@@ -36,8 +36,8 @@ struct Ray {
   double t_max = std::numeric_limits<double>::infinity();
   uint32_t skip_first = interface::INVALID_INDEX;
   uint32_t skip_last = interface::INVALID_INDEX;
-  /// What a blended surface decides with whether the ray meets it: the device's bits of origin and direction;
-  /// those of the members above if empty.
+  /// The bits of origin and direction by which a blended surface decides whether the ray meets it: the
+  /// device's, or if empty those of the members above.
   std::optional<std::array<glm::vec3, 2>> decision = std::nullopt;
   const Contact* contact =
       nullptr;  ///< null: surfaces are met by distance alone; otherwise t_min and t_max do not count

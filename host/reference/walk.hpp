@@ -45,14 +45,14 @@ struct Settings {
   uint32_t regularization = interface::REGULARIZATION_NONE;  ///< REGULARIZATION_* bits
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
-  double tau = 5;  ///< 1/sr, as where none is given on the command line
+  double tau = 5;  ///< 1/sr; the command line's default
   uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   Filter filter;
   /// 0: exact. Otherwise every random number, ray and texture coordinate of a walk is moved by a unit or two
-  /// in the last place of single precision, up or down by this pattern: how far results move tells how well
-  /// conditioned they are.
+  /// in the last place of single precision, up or down as this pattern says: how far results move then tells
+  /// how well conditioned they are.
   uint32_t rounding_pattern = 0;
 
   double largest_contribution = std::numeric_limits<double>::infinity();  ///< of one technique to a sample
@@ -83,7 +83,7 @@ struct WalkVertex {
   Media around{};                              ///< the solids on that side
   double survival = 1;                         ///< probability that roulette let the walk come this far
   glm::dvec3 throughput{1};  ///< of the walk on arrival, roulette divided out; for roulette and for reading
-  Regularization regularization{};  ///< of the walk, or with path diffusion in path tracing of this vertex
+  Regularization regularization{};  ///< the walk's, or in path tracing with path diffusion this vertex's
   VertexScattering scattering{};    ///< of the step to the next vertex; means nothing at the last one
   BsdfSample sample{};              ///< likewise
 };
@@ -97,7 +97,7 @@ struct WalkState {
   uint32_t medium = interface::INVALID_INDEX;
   Place place{};   ///< where the next ray starts; on arrival the solids there
   double cut = 0;  ///< m of the next edge that lie before the camera's near plane
-  uint32_t cut_medium = interface::INVALID_INDEX;  ///< and what is there
+  uint32_t cut_medium = interface::INVALID_INDEX;  ///< the medium there
 };
 
 /// The vertex where a walk in `state` arrives after `distance` metres: takes the medium's share of the
@@ -157,15 +157,15 @@ struct LightSubpath {
   Stream stream;
 };
 
-/// A surface point where somebody else's walk arrived.
+/// A surface point where another walk (the device's) arrived.
 struct GivenHit {
   uint32_t triangle;
   glm::dvec2 barycentrics;
 };
 
 /// The camera path of a sample of a pixel, up to max_depth edges. `given`, if not null: where it meets
-/// surfaces, one after the other. The walk then traces no ray, and ends where its own next direction does not
-/// lead to the next of them: a walk that is followed, without what its vertices' errors do to all later ones.
+/// surfaces, one after the other. The walk then traces no rays, and ends where its next direction does not
+/// lead to the next of these points. So a walk can be followed without its errors adding up.
 CameraSubpath walk_from_camera(const World& world, const Camera& camera, const Settings& settings,
                                uint32_t pixel, uint32_t sample, const std::vector<GivenHit>* given = nullptr);
 

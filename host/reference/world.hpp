@@ -1,4 +1,4 @@
-// What the reference knows of a scene: surfaces, materials and media at points, in double precision, from the
+// The scene as the reference sees it: surfaces, materials and media at points, in double precision, from the
 // same arrays that kernels read.
 #pragma once
 
@@ -27,12 +27,12 @@ struct Surface {
   glm::dvec3 coat_normal{0};     ///< of the clearcoat likewise, where it is not shading_normal; else 0
   scene::TextureCoordinates uv;
   glm::dvec4 color{1};  ///< vertex colour
-  /// Along which the roughness of an anisotropic material is stretched: unit, orthogonal to shading_normal.
-  /// Zero if the material is isotropic.
+  /// Direction in which the roughness of an anisotropic material is stretched: unit, orthogonal to
+  /// shading_normal. Zero if the material is isotropic.
   glm::dvec3 tangent{0};
   double anisotropy = 0;     ///< strength
-  double cover_error = 0;    ///< of the tables of rough interfaces, as single precision makes them
-  double fresnel_error = 0;  ///< of the mean reflectance of smooth ones
+  double cover_error = 0;    ///< by which to move the tables of rough interfaces, as single precision may
+  double fresnel_error = 0;  ///< the same for the mean reflectance of smooth ones
   double coverage = 1;       ///< share of the surface that is there
   double area = 0;           ///< of the triangle, m^2
   uint32_t triangle = interface::INVALID_INDEX;
@@ -41,7 +41,7 @@ struct Surface {
   bool has_relief = false;                    ///< the shading normal is a normal map's
   /// The side on which the vertex normals spread: 1 the front, -1 the back, 0 neither.
   int bulge = 0;
-  glm::dvec3 rise{0};  ///< to the curved surface that they tell of on that side, m (Hanika 2021)
+  glm::dvec3 rise{0};  ///< way to the curved surface that they suggest on that side, m (Hanika 2021)
 };
 
 /// Where a ray starts: the solids around it and the surface that it leaves, if any.
@@ -98,11 +98,11 @@ class World {
                           const glm::dvec3& from, const glm::dvec3& w, bool is_beyond = false) const;
 
   /// Where a ray along w starts from a surface that was reached from the side of `from`, where `around` is.
-  /// `is_beyond` as above: from no surface then, for its own facet may be in the way.
+  /// `is_beyond` as above: then it starts from no surface, because its own facet may be in the way.
   Place place_towards(const Surface& surface, const Media& around, const glm::dvec3& from,
                       const glm::dvec3& w, bool is_beyond = false) const;
 
-  /// Whether the scene has FEATURE_CONTACTS. Without, places do not matter.
+  /// Whether the scene has FEATURE_CONTACTS. Otherwise places do not matter.
   bool has_contacts() const { return scene_.solids.has_contacts; }
 
   /// Material of the medium where several solids are; INVALID_INDEX: none.
@@ -121,7 +121,7 @@ class World {
   Media media_at(const glm::dvec3& point) const;
 
   /// What the ray meets next, between its t_min and t_max; `place` is at t_min. Interfaces that are none are
-  /// passed, which `place` follows.
+  /// passed, and `place` is brought up to date.
   std::optional<Intersection> meet(const Ray& ray, Place& place) const;
 
   /// Ray from a surface point. `is_beyond`: from the curved surface that the facet stands for, in a direction
@@ -132,12 +132,12 @@ class World {
   bool is_visible(const Surface& from, const Place& place, const glm::dvec3& to,
                   uint32_t target = interface::INVALID_INDEX, bool is_beyond = false) const;
 
-  /// The same for a ray without an end.
+  /// The same towards what is infinitely far away.
   bool is_open(const Surface& from, const Place& place, const glm::dvec3& direction,
                bool is_beyond = false) const;
 
  private:
-  /// Fills what concerns bulges. `sign_of_normals`: -1 if the vertex normals point to the back.
+  /// Fills the members that concern bulges. `sign_of_normals`: -1 if the vertex normals point to the back.
   void set_bulge(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
                  double sign_of_normals) const;
   uint32_t solid_of(uint32_t triangle) const;  // INVALID_INDEX: it bounds none
@@ -148,9 +148,9 @@ class World {
   /// direction.
   glm::dvec3 mapped_normal(const Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
                            const glm::dvec3& normal, uint32_t texture, double normal_scale) const;
-  /// Fills what concerns anisotropy, with the shading normal known.
+  /// Fills the members that concern anisotropy, once the shading normal is known.
   void set_anisotropy(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
-  /// Between the vertices, not normalized; w: sign of the bitangent.
+  /// Tangent interpolated between the vertices, not normalized; w: sign of the bitangent.
   glm::dvec4 tangent_at(const scene::PlacedTriangle& placed, const glm::dvec3& b) const;
   glm::dvec4 texture_at(uint32_t index, const scene::TextureCoordinates& uv) const;
 

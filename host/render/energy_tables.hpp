@@ -1,4 +1,4 @@
-// The tables of what rough interfaces reflect and refract, of a scene, made on the device: for energy
+// A scene's tables of what rough interfaces reflect and refract, made on the device: for energy
 // compensation (shaders/lib/energy.glsl), for diffuse bases under rough dielectrics (shaders/lib/cover.glsl),
 // and for raised lobes (shaders/lib/raised_light.glsl).
 #pragma once
@@ -11,7 +11,7 @@
 
 namespace regulus::render {
 
-/// What the tables are for; what has no use is left empty.
+/// What the tables are for; those that nothing uses are left empty.
 struct EnergyUses {
   bool has_compensation = false;
   bool has_rough_bases = false;

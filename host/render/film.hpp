@@ -50,7 +50,7 @@ inline constexpr FilmLayer FILM_LAYERS[] = {{"sum", &Film::words},
 /// Gives saturated sums the same words, whatever the order in which they were added.
 void settle_saturated(std::vector<uint32_t>& words);
 
-/// Sums of a channel of a pixel that are saturated.
+/// Number of sums (a channel of a pixel) that are saturated.
 uint64_t count_saturated(const std::vector<uint32_t>& words);
 
 /// The mean of the samples of each pixel, 0 where a pixel has none, and the mean of the splats.
@@ -58,7 +58,7 @@ image::Image resolve(const Film& film);
 
 /// The variance of each value of the image as the mean of the whole samples, estimated from their spread;
 /// infinite where there are fewer than two or a sum of squares is saturated. Unbiased for independent samples
-/// (--sampler hash), from above for scrambled Sobol points, whose errors make up for each other.
+/// (--sampler hash), from above for scrambled Sobol points, whose errors compensate for each other.
 /// Precondition: film.square_words is not empty.
 image::Image resolve_variance(const Film& film);
 

@@ -20,7 +20,7 @@ Film take_film(const std::filesystem::path& path, image::ExrContents& contents);
 /// Precondition: films of the same size, kind and exponents, both complete (the same samples of every pixel).
 void add(Film& film, const Film& other);
 
-/// A film of another size with the same kinds of sums, all 0, and the same light paths, but no paths.
+/// A film of another size with the same kinds of sums, all 0, the same number of light paths, and no paths.
 Film empty_like(const Film& film, uint32_t width, uint32_t height);
 
 /// Copies the sums of `part` to the pixels from (x, y) on of `whole`, and counts its paths. Precondition: it

@@ -18,12 +18,12 @@ class FilmStore {
   /// `wavefront` must outlive the object.
   FilmStore(Wavefront& wavefront, const scene::FilmExponents& exponents);
 
-  /// As of the last snapshot.
+  /// The film as of the last snapshot.
   const Film& film() const { return film_; }
 
-  /// Snapshots are due again some time from now.
+  /// The age of the last snapshot counts from now.
   void start_clock() { last_snapshot_ = Clock::now(); }
-  /// Whether the last snapshot is so many times as old as it took to make that one more costs little.
+  /// True if the last snapshot is so old, compared with the time it took, that another one costs little.
   bool is_snapshot_due() const;
   /// Copies the film and the counters to the host, so that what is done survives the device. If the device is
   /// lost on the way nothing changes. @param finished what the device has rendered of it
@@ -32,7 +32,7 @@ class FilmStore {
   /// Puts a film onto the device to go on with. Precondition: it is of the same size and has the same parts.
   void restore(const Film& film);
 
-  /// Of every strategy that has images, one after the other.
+  /// Calls `use` with the images of every strategy that has some, one after the other.
   void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const;
 
  private:
@@ -43,7 +43,7 @@ class FilmStore {
   Wavefront& wavefront_;
   Film film_;
   Clock::time_point last_snapshot_;
-  double snapshot_seconds_;  // that the last one took
+  double snapshot_seconds_;  // what the last one took
 };
 
 }  // namespace regulus::render

@@ -16,7 +16,7 @@
 
 namespace regulus::render {
 
-/// A larger scene's second tree would take so long, and so much memory, that only long renders gain by it.
+/// The second tree of a larger scene would take so much time and memory that only long renders gain by it.
 inline constexpr size_t MOST_AUTO_TRIANGLES = 2'000'000;
 
 /// RAYS_SOFTWARE or RAYS_HOST as the plan asks for it; RAYS_AUTO is the host's where device and scene allow
@@ -30,13 +30,13 @@ class HostRays {
   HostRays(const PreparedScene& prepared, const Plan& plan, const WavefrontBuffers& buffers,
            RenderStatistics& statistics);
 
-  /// Whether rays of the step are traced here, and whether a kernel does the rest of it.
+  /// Whether the step's rays are traced here, and whether a kernel does the rest of the step.
   static bool traces(const StageStep& step);
   static bool needs_kernel(const StageStep& step);
 
-  /// Traces the queue of the step and bounce. Whole steps: hits are written and their paths put into the
-  /// queues of what they have met. With a kernel: segments that are blocked get a t_max of -1. Precondition:
-  /// nothing that uses the buffers is in flight.
+  /// Traces the queue of the step and bounce. Without a kernel this does the whole step: hits are written,
+  /// and paths are put into the queues of what they have met. With a kernel, blocked segments get a t_max of
+  /// -1. Precondition: nothing that uses the buffers is in flight.
   void trace(const StageStep& step, uint32_t bounce);
 
  private:

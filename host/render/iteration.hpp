@@ -1,4 +1,4 @@
-// An iteration: all its light paths, what is made of their vertices, then one sample of every pixel.
+// An iteration: all its light paths, the sorting of their vertices, then one sample of every pixel.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@ class Iteration {
   /// Both must outlive the object.
   Iteration(Wavefront& wavefront, WaveScheduler& scheduler) : wavefront_(wavefront), scheduler_(scheduler) {}
 
-  /// Connections to the cache reckon with as many light vertices as the very first iteration has: the same
-  /// for every range of samples. Precondition: nothing is in flight. Returns their number.
+  /// Counts the light vertices of the very first iteration, with which connections to the cache reckon in
+  /// every iteration and range of samples, and returns their number. Precondition: nothing is in flight.
   uint32_t expect_light_vertices();
 
   /// The light pass of an iteration: walks its light paths, of which the first `repeated` are on the film
@@ -24,7 +24,7 @@ class Iteration {
   /// The camera pass, from pixel `first` (its place among those rendered) on.
   void run_camera_pass(uint64_t sample, uint64_t first);
 
-  /// Light vertices that are in reach of a merge in this iteration, at most.
+  /// Largest number of light vertices that a merge of this iteration can have in reach.
   uint64_t reach() const { return reach_; }
 
  private:

@@ -41,7 +41,7 @@ inline constexpr std::array<Name, 4> LIGHT_SAMPLING = {{{"auto", LIGHT_SAMPLING_
                                                         {"uniform", LIGHT_SAMPLING_UNIFORM}}};
 inline constexpr std::array<Name, 3> RAYS = {
     {{"auto", RAYS_AUTO}, {"software", RAYS_SOFTWARE}, {"host", RAYS_HOST}}};
-/// Without the modes that may be added: REGULARIZATION_CONSISTENT, REGULARIZATION_DIFFUSION.
+/// Kinds of regularization, without the modes that may be added: REGULARIZATION_CONSISTENT, _DIFFUSION.
 inline constexpr std::array<Name, 4> REGULARIZATION = {
     {{"none", REGULARIZATION_NONE},
      {"roughness", REGULARIZATION_ROUGHNESS},

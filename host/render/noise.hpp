@@ -13,9 +13,9 @@ namespace regulus::render {
 ///
 /// With A the mean of the first m samples of a pixel and T that of its first n, (A - T)^2 m / (n - m)
 /// estimates the variance of T: without bias for independent samples, and from above for scrambled Sobol
-/// points, whose halves make up for each other. Film states are kept at doublings, and an estimate takes a
-/// quarter more samples than the state that it is compared with, so m is between n / 4 and 4 n / 5. In
-/// between the last estimate is that of fewer samples, times the root of their share.
+/// points, whose halves compensate for each other. Film states are kept at doublings, and an estimate takes a
+/// quarter more samples than the state that it is compared with, so m is between n / 4 and 4 n / 5. Between
+/// two estimates the last one is scaled by the root of the share of samples that it had.
 class NoiseEstimate {
  public:
   /// Takes in a state of the film; one with no more paths than the last is ignored.

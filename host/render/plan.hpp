@@ -1,5 +1,5 @@
-// What will be done of what was asked: the one place that decides. Device, reference, `inspect`, headers and
-// statistics go by the plan.
+// What is done of what was asked for. This is the only place that decides; device, reference, `inspect`,
+// headers and statistics go by the plan.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,14 @@ struct Dropped {
 /// A render of a scene with every choice made. Made by make_plan() alone.
 struct Plan : CommonSettings {
   uint32_t techniques = 0;                                    ///< those that can contribute
-  std::string techniques_rule;                                ///< in words, why these
+  std::string techniques_rule;                                ///< why these, in words
   uint32_t light_sampling = interface::LIGHT_SAMPLING_POWER;  ///< LIGHT_SAMPLING_*, never _AUTO
   uint32_t light_paths = 0;                                   ///< per iteration
   float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged
-  std::string merge_radius_rule;  ///< in words, where it comes from
+  std::string merge_radius_rule;  ///< where it comes from, in words
   uint32_t regularization = interface::REGULARIZATION_NONE;
   /// Each wave has its own light vertices, or all light paths of an iteration are walked before its camera
-  /// paths (always for a crop, which all light paths concern).
+  /// paths (always so for a crop, because all light paths may reach it).
   bool is_per_wave = true;
   uint32_t connections_per_vertex = 0;       ///< light vertices that a camera vertex connects to, at most
   uint32_t state = interface::STATE_ALWAYS;  ///< STATE_*: what is kept beside paths (render/state.hpp)
@@ -52,14 +52,14 @@ struct Plan : CommonSettings {
 /// Decides what is done. The same for the device and the reference, whatever the machine.
 Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings);
 
-/// The plan of a part of the film; what does not depend on the pixels stays.
+/// The same plan for a part of the film; everything that does not depend on pixels stays.
 Plan plan_for_window(Plan plan, const Window& window);
 
 /// What a camera sees of a scene, on a film of the scene's own shape, whatever size is rendered.
 reference::SeenSurfaces seen_by_camera(const PreparedScene& prepared, uint32_t camera);
 
-/// The radius that merges have under these settings, whether they are enabled or not. One that is given and
-/// does not suit what is seen becomes a warning, if there is a place for it.
+/// The radius of merges under these settings, whether merges are enabled or not. A given radius that does not
+/// suit what is seen is changed, with a warning if `warnings` is not null.
 reference::MergeRadius choose_merge_radius(const PreparedScene& prepared, const RenderSettings& settings,
                                            std::vector<std::string>* warnings = nullptr);
 

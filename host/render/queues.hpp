@@ -8,7 +8,7 @@
 
 namespace regulus::render {
 
-/// A queue; those of which each material class has its own come from bounce_queue() and pair_queue().
+/// A queue. Queues of which each material class has its own are named by bounce_queue() and pair_queue().
 enum class Queue : uint32_t {
   Rays = interface::QUEUE_RAYS,              ///< path slots to trace
   Visibility = interface::QUEUE_VISIBILITY,  ///< VisibilityCandidate
@@ -36,7 +36,7 @@ struct QueueHeads {
   }
   const interface::QueueHead& operator[](Queue queue) const { return heads[static_cast<uint32_t>(queue)]; }
 
-  /// Where those of a bounce begin, and the one of a queue, in bytes.
+  /// Where the heads of a bounce begin, and the head of one queue, in bytes.
   static constexpr uint64_t offset_of(uint32_t bounce) { return bounce * sizeof(QueueHeads); }
   static constexpr uint64_t offset_of(uint32_t bounce, Queue queue) {
     return offset_of(bounce) + static_cast<uint32_t>(queue) * sizeof(interface::QueueHead);

@@ -7,8 +7,8 @@
 namespace regulus::render {
 
 /// The reference's settings for a plan.
-/// @throws regulus::Error (BadUsage) for what the reference does not do: clamping shares of both or of
-/// sampler quality.
+/// @throws regulus::Error (BadUsage) for the one thing that the reference cannot do: clamping together with
+/// `both` or sampler quality, which split a contribution into shares
 reference::Settings reference_settings(const Plan& plan);
 
 }  // namespace regulus::render

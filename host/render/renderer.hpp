@@ -40,16 +40,16 @@ class Renderer {
 
   /// Renders until all samples are done, or `progress` returns false: what has been begun is then finished,
   /// and another call goes on from there.
-  /// Where `is_cancelled`, asked after every submission, says yes, nothing more is begun: at most one
+  /// `is_cancelled` is asked after every submission. Once it says yes, nothing more is begun: at most one
   /// submission that was under way still runs, and film() holds the last state between two waves. If the
-  /// device is lost the error is thrown, and film() holds the last snapshot; there is one whenever the last
+  /// device is lost, the error is thrown and film() holds the last snapshot; one is taken whenever the last
   /// is fifty times as old as it took to make.
   void render(const ProgressCallback& progress, const std::function<bool()>& is_cancelled = {});
 
   const Film& film() const;
   const RenderStatistics& statistics() const;
-  /// With plan.has_strategy_images, after render(): of every strategy, one after the other, each with
-  /// `use`.
+  /// With plan.has_strategy_images, after render(): calls `use` with the images of every strategy, one after
+  /// the other.
   void for_each_strategy(const std::function<void(const StrategyImages&)>& use) const;
 
  private:

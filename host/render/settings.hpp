@@ -26,7 +26,7 @@ struct Window {
   bool operator==(const Window&) const = default;
 };
 
-/// Extra channels of an image, see README.md. Bits of RenderSettings::aovs.
+/// Extra channels of an image (docs/user-guide/rendering.md). Bits of RenderSettings::aovs.
 inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_NORMAL = 4, AOV_POSITION = 8,
                           AOV_DEPTH = 16, AOV_MATERIAL = 32, AOV_INSTANCE = 64, AOV_VARIANCE = 128,
                           AOV_SAMPLES = 256, AOV_SIGMA = 512;
@@ -34,7 +34,7 @@ inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_
 inline constexpr uint32_t SURFACE_AOVS = AOV_ALBEDO | AOV_SHADING_NORMAL | AOV_GEOMETRIC_NORMAL |
                                          AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE;
 
-/// What is done as it is asked for: the same in RenderSettings and in the Plan made of them.
+/// Settings that are always done as asked: the same in RenderSettings and in the Plan made from them.
 struct CommonSettings {
   uint32_t width = 0, height = 0;  ///< film, pixels
   Window crop{};                   ///< pixels that are rendered; without pixels: the whole film
@@ -51,8 +51,8 @@ struct CommonSettings {
   uint32_t sampler_quality = interface::SAMPLER_QUALITY_OFF;
   uint32_t bound = interface::BOUND_PEAK;
   uint32_t mis = interface::MIS_BLENDED;
-  float tau = DEFAULT_TAU;  ///< largest density of a regularized lobe, 1/sr; infinite: as without
-  /// What one technique adds to one sample of a pixel, at most, in any channel; infinite: no clamping.
+  float tau = DEFAULT_TAU;  ///< largest density of a regularized lobe, 1/sr; infinite: nothing is regularized
+  /// The most that one technique may add to one sample of a pixel, in any channel; infinite: no clamping.
   float largest_contribution = std::numeric_limits<float>::infinity();
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
@@ -70,19 +70,19 @@ struct CommonSettings {
   Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }
 };
 
-/// What a render is asked to do. What is done is a Plan (render/plan.hpp), which alone decides what is left
-/// open here.
+/// What a render is asked to do. The Plan (render/plan.hpp) says what is done, and decides what is left open
+/// here.
 struct RenderSettings : CommonSettings {
   /// TECHNIQUE_* bits; none: those that suit the scene, see choose_techniques().
   std::optional<uint32_t> techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
   std::optional<uint32_t> light_paths;  ///< per iteration (one sample of every pixel); none: one per pixel
   std::optional<float> merge_radius;    ///< metres, of the first iteration; none: by what the camera sees
-  std::optional<float> merge_radius_share;  ///< instead of metres: of the extent that the camera sees
-  bool keeps_merge_radius = false;          ///< one that is given is not fitted to what the camera sees
-  /// REGULARIZATION_* bits; none: roughness, but nothing where vertices are merged.
+  std::optional<float> merge_radius_share;  ///< instead of metres: a share of the extent that the camera sees
+  bool keeps_merge_radius = false;          ///< a given radius is not fitted to what the camera sees
+  /// REGULARIZATION_* bits; none: left to the plan.
   std::optional<uint32_t> regularization = interface::REGULARIZATION_NONE;
-  uint32_t regularization_modes = 0;  ///< REGULARIZATION_CONSISTENT, _DIFFUSION: of whatever is regularized
+  uint32_t regularization_modes = 0;  ///< REGULARIZATION_CONSISTENT, _DIFFUSION: beside the kind
 };
 
 }  // namespace regulus::render

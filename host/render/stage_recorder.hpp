@@ -1,5 +1,5 @@
-// One wave of the wavefront, stage by stage with downloads in between: the queues before and after every
-// stage, for `regulus check`. The kernels, buffers and the order are the renderer's own.
+// Records one wave stage by stage, with downloads in between: the queues before and after every stage, for
+// `regulus check`. Kernels, buffers and order are the renderer's own.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace regulus::render {
 
-/// A segment that trace_visibility was given beside the candidates.
+/// A segment that trace_visibility was given in addition to the candidates.
 struct Probe {
   interface::VisibilityCandidate segment;  ///< contribution 1
   bool is_open = false;
@@ -62,7 +62,7 @@ struct RecordedConnections {
 /// own light path.
 enum class Connections { Cache, Paired };
 
-/// An iteration: a wave of light paths, what is made of their vertices, and a wave of camera paths.
+/// An iteration: a wave of light paths, the sorting of their vertices, and a wave of camera paths.
 struct ConnectionRecording {
   Connections connections = Connections::Cache;
   float merge_radius = 0;          ///< m
@@ -84,7 +84,7 @@ struct ConnectionRecording {
 inline constexpr uint32_t WALK_TECHNIQUES =
     interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT;
 
-/// The plan of a recording by those of `techniques` that the settings ask for, with a light path per pixel.
+/// The plan of a recording: those of `techniques` that the settings ask for, with a light path per pixel.
 Plan plan_recording(const PreparedScene& prepared, RenderSettings settings,
                     uint32_t techniques = WALK_TECHNIQUES);
 

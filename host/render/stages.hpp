@@ -1,5 +1,5 @@
-// The stages of a render, in order, as data. A reader who wants to know what the renderer does reads STAGES;
-// a stage whose condition does not hold is neither built nor dispatched.
+// The stages of a render, in order, as data. To know what the renderer does, read STAGES. A stage whose
+// condition does not hold is neither built nor dispatched.
 #pragma once
 
 #include <array>
@@ -108,7 +108,7 @@ inline constexpr std::array STAGES = {
 
 using detail::STAGES;
 
-/// A step with its kernel, ready to be recorded; without one if the host does all of it
+/// A step with its kernel, ready to be recorded; without a kernel if the host does the whole step
 /// (render/host_rays.hpp).
 struct PipelineStep {
   StageStep step;
@@ -118,7 +118,7 @@ struct PipelineStep {
 /// True if the step runs under the plan.
 bool is_needed(const StageStep& step, const Plan& plan);
 
-/// Compiles the steps of STAGES that are needed, but for scans (render/scan.hpp). `rays`: RAYS_SOFTWARE,
+/// Compiles the steps of STAGES that are needed, except scans (render/scan.hpp). `rays`: RAYS_SOFTWARE,
 /// RAYS_HOST.
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, uint32_t rays);
 
@@ -126,8 +126,8 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, 
 void record_over_queue(gpu::CommandList& commands, const PipelineStep& entry,
                        const interface::StageArguments& arguments, const gpu::Buffer& queue_heads);
 
-/// Records a step over `items` items, in as many dispatches as `most_groups`, the device's limit, asks for:
-/// each begins at the item that it names by `first`, of which arguments.*first is the first of all.
+/// Records a step over `items` items, in as many dispatches as the device's limit `most_groups` requires.
+/// Each finds its first item in member `first` of its arguments; the first of all is arguments.*first.
 void record_items(gpu::CommandList& commands, const PipelineStep& entry, interface::StageArguments arguments,
                   uint64_t items, uint32_t interface::StageArguments::*first, uint64_t most_groups);
 

@@ -1,5 +1,5 @@
-// The arrays of the wavefront (shaders/interface/state_table.h) as the host counts them: which a plan keeps,
-// how large they are, what a path in flight costs, and so how many may be in flight.
+// The arrays of the wavefront (shaders/interface/state_table.h) as the host counts them: which of them a plan
+// keeps, how large they are, what a path in flight costs, and hence how many paths may be in flight.
 #pragma once
 
 #include <array>
@@ -35,10 +35,10 @@ struct StateSizes {
   uint64_t grid_cells = 0;
 };
 
-/// STATE_* bits that render under the plan's other choices need.
+/// The STATE_* bits that the plan's other choices need.
 uint32_t choose_state(const Plan& plan);
 
-/// Most light vertices of one light path.
+/// Largest number of light vertices of one light path.
 uint64_t vertices_per_path(const Plan& plan);
 
 /// Bytes of an array; 0 if the plan does not keep it.
@@ -56,12 +56,12 @@ struct PixelBytes {
 };
 PixelBytes bytes_per_pixel(const Plan& plan);
 
-/// Most path slots on a device whose dispatches run so many groups and whose allocations hold so many bytes:
-/// no queue holds more items than one dispatch may run, no array is larger than one allocation.
+/// Largest number of path slots on a device with these limits of a dispatch and of an allocation: no queue
+/// may hold more items than one dispatch runs, and no array may be larger than one allocation.
 uint64_t most_paths(const Plan& plan, uint64_t most_groups, uint64_t most_bytes);
 
-/// Path slots of a render of `total_paths`, a whole number of groups: what the plan or the kind of device
-/// asks for, as far as the device's limits and its free memory allow.
+/// Number of path slots of a render of `total_paths`, a whole number of groups: as many as the plan or the
+/// kind of device asks for, as far as the device's limits and its free memory allow.
 /// @throws regulus::Error (Failed) if not even one group of paths is possible
 uint32_t choose_capacity(const gpu::DeviceInfo& device, uint64_t free_bytes, const Plan& plan,
                          uint64_t total_paths);

@@ -17,7 +17,7 @@ struct StageStatistics {
   double host_ms = 0;  ///< of rays traced by the host
 };
 
-/// Of what was handed to the device at once (render/work_queue.hpp).
+/// About the submissions, which are handed to the device as a whole (render/work_queue.hpp).
 struct SubmissionStatistics {
   uint64_t count = 0;
   uint64_t bound_items = 0;  ///< most items that one was allowed to hold
@@ -48,7 +48,7 @@ struct RenderStatistics {
   uint64_t visibility_rays() const {
     return camera_items[interface::QUEUE_VISIBILITY] + light_items[interface::QUEUE_SPLATS];
   }
-  /// Items the stage of a step has worked on; 0 where that is not counted.
+  /// Number of items that a step's stage has worked on; 0 where that is not counted.
   uint64_t items(const StageStep& step) const {
     const bool is_light = step.pass == Pass::Light;
     if (step.extent == Extent::Bounce)

@@ -29,7 +29,7 @@ std::vector<Strategy> list_strategies(uint32_t techniques, uint32_t max_depth);
 /// INVALID_INDEX.
 std::vector<uint32_t> strategy_layers(const std::vector<Strategy>& strategies, uint32_t max_depth);
 
-/// What a strategy added, and what it would add alone: its estimate of all light that it can find.
+/// What a strategy added to the picture, and its estimate, alone, of all light that it can find.
 struct StrategyImages {
   Strategy strategy;
   image::Image weighted, unweighted;

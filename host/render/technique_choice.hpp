@@ -15,9 +15,9 @@ struct Candidate {
   uint32_t regularization = interface::REGULARIZATION_NONE;
   double error =
       0;  ///< estimated relative squared error of one sample of every pixel; infinite: it never converges
-  double cost = 0;  ///< of that sample, counted: 1 is about what a path of `pt` of four edges takes
+  double cost = 0;  ///< of that sample, in counted work: 1 is about a path of `pt` of four edges
 
-  /// Error at equal time, and what is least for the set that suits best.
+  /// Error at equal time: least for the set that suits best.
   double error_at_equal_time() const { return error * cost; }
 };
 

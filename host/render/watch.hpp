@@ -1,4 +1,4 @@
-// How someone else sees what the stages of a render leave: `regulus check` does.
+// How an observer sees what the stages of a render leave behind. `regulus check` is one.
 #pragma once
 
 #include "interface/wavefront.h"
@@ -16,7 +16,7 @@ class StageObserver {
   virtual void after(Pass pass, Stage stage, const interface::StageArguments& arguments) = 0;
 };
 
-/// Where the parts of a render tell what they do: to nobody, unless there is an observer.
+/// The parts of a render tell it what they do. It passes that on to the observer, if there is one.
 class Watch {
  public:
   /// `work` must outlive the object.

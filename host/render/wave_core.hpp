@@ -14,8 +14,8 @@
 
 namespace regulus::render {
 
-/// Most items that one path in flight can make in a bounce beside connections and merges: its ray, the
-/// surface it meets, and a light sample or two splats.
+/// Largest number of items that one path in flight can make in a bounce, besides connections and merges: its
+/// ray, the surface it meets, and a light sample or two splats.
 inline constexpr uint64_t ITEMS_PER_PATH = 4;
 
 class WaveCore {
@@ -26,13 +26,13 @@ class WaveCore {
            const std::vector<PipelineStep>& pipeline, const WavefrontBuffers& buffers, const Plan& plan,
            HostRays* host_rays);
 
-  /// Runs all steps of a light or camera pass over arguments.wave_paths paths. `reach`: most light vertices
-  /// that one camera vertex may look at in a merge. False if the wave was not recorded to its end because the
-  /// work was cancelled. Preconditions: wave_paths times ITEMS_PER_PATH is within the queue's bound; the wave
-  /// holds at most most_paths(reach).
+  /// Runs all steps of a light or camera pass over arguments.wave_paths paths. `reach`: the largest
+  /// number of light vertices that one camera vertex may look at in a merge. Returns false if the wave was
+  /// not recorded to its end because the work was cancelled. Preconditions: wave_paths times ITEMS_PER_PATH
+  /// is within the queue's bound; the wave holds at most most_paths(reach).
   bool run(Pass pass, const interface::StageArguments& arguments, uint64_t reach = 0);
 
-  /// Steps of a merge are numbered over a wave with 32 bits.
+  /// Largest number of paths in a wave: the steps of its merges are numbered with 32 bits.
   static uint64_t most_paths(uint64_t reach);
 
  private:
@@ -59,7 +59,7 @@ class WaveCore {
   const WavefrontBuffers& buffers_;
   HostRays* host_rays_;
   uint32_t max_depth_;
-  uint64_t connections_;  // most of one path in a bounce
+  uint64_t connections_;  // of one path in a bounce, at most
   bool has_merges_;
 };
 

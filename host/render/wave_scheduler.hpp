@@ -21,16 +21,16 @@ class WaveScheduler {
   WaveScheduler(Wavefront& wavefront, std::function<bool()> goes_on)
       : wavefront_(wavefront), goes_on_(std::move(goes_on)) {}
 
-  /// Waves over the paths [begin, end): `run` takes the wave [first, first + paths) through its passes, and
-  /// says how many paths of each kind it holds, or nothing if it was given up. At most two submissions are
-  /// under way, so that the device never waits. `reach`: light vertices in reach of a merge, at most.
+  /// Runs waves over the paths [begin, end). `run` takes the wave [first, first + paths) through its passes
+  /// and returns how many paths of each kind it holds, or nothing if it was given up. At most two submissions
+  /// are under way, so that the device never waits. `reach`: light vertices in reach of a merge, at most.
   using RunWave = std::function<std::optional<WavePaths>(uint64_t first, uint32_t paths)>;
   void run(uint64_t begin, uint64_t end, uint64_t reach, const RunWave& run_wave);
 
   bool is_running() const { return is_running_; }
   void set_running(bool is_running) { is_running_ = is_running; }
 
-  /// False: the device's film holds parts of a wave that was given up.
+  /// False if the device's film holds parts of a wave that was given up.
   bool is_film_whole() const { return is_film_whole_; }
 
   /// Paths whose waves have run.

@@ -35,7 +35,7 @@ struct Wavefront {
   /// Arguments of a wave of `paths` paths that starts at path `first` of a sample of every pixel.
   interface::StageArguments arguments_of(uint64_t first, uint64_t sample, uint32_t paths) const;
 
-  /// Records a stage over so many items, from arguments.first_pixel on.
+  /// Records a stage over `items` items, from arguments.first_pixel on.
   void run_over(Pass pass, Stage stage, const interface::StageArguments& arguments, uint64_t items);
 
   /// Records the scan of the first `count` words of a buffer, which is Stage::ScanSums of the pass.

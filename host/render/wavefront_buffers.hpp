@@ -28,7 +28,7 @@ class WavefrontBuffers {
   void expect_light_vertices(gpu::Device& device, uint64_t vertices);
 
   /// Sets how many light vertices of the cache a camera vertex connects to; 0: those of its own path.
-  /// Precondition: as many as the plan's at most. No submission may be in flight.
+  /// Preconditions: at most the plan's number; no submission is in flight.
   void connect_to_cache(gpu::Device& device, uint32_t connections);
 
   const interface::Frame& frame() const { return frame_; }

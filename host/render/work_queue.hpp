@@ -27,7 +27,7 @@ class WorkQueue {
   uint64_t bound() const { return bound_; }
 
   /// The list on which to record a step of at most `items` items (at most what bound() was when the wave
-  /// began): hands over what was recorded before if there is no room left beside it.
+  /// began). What was recorded before is handed over first if both do not fit into one submission.
   gpu::CommandList& room_for(uint64_t items);
 
   /// Calls `then` once all that is recorded so far has run.
@@ -40,7 +40,7 @@ class WorkQueue {
   /// Forgets what is recorded and not handed over, and waits for the rest.
   void drop();
 
-  /// Asked after every submission; once it has said yes is_cancelled() is true.
+  /// `wants_to_stop` is asked after every submission; once it has said yes, is_cancelled() is true.
   void set_cancellation(std::function<bool()> wants_to_stop) { wants_to_stop_ = std::move(wants_to_stop); }
   bool is_cancelled() const { return is_cancelled_; }
 

@@ -9,7 +9,7 @@ REGULUS_INTERFACE_BEGIN
 
 // Entries of the traversal stack of one ray, one per level at most; no tree is built deeper.
 REGULUS_CONSTANT BVH_MAX_DEPTH = 24u;
-// Most triangles in a leaf.
+// A leaf holds at most this many triangles.
 REGULUS_CONSTANT BVH_MAX_LEAF_SIZE = 4u;
 
 // A reference to a child: BVH_LEAF_BIT | (triangle count - 1) << BVH_LEAF_COUNT_SHIFT | first triangle for a leaf,

@@ -15,9 +15,9 @@ REGULUS_CONSTANT FILM_FRACTION_BITS = 40u;
 REGULUS_CONSTANT FILM_RANGE_BITS = 55u;
 REGULUS_CONSTANT FILM_SATURATED = 1u << 31;
 
-// What camera rays meet first. Albedo and normals are means over AOV_RAYS rays as the
-// first samples of the pixel send them, black where they meet nothing; the rest is what the ray from the middle of the
-// lens through the middle of the pixel meets. Normals are unit before the mean and on the side of the camera.
+// What camera rays meet first. Albedo and normals are means over AOV_RAYS rays, those of the pixel's first samples, and
+// black where they meet nothing; the rest belongs to the ray from the middle of the lens through the middle of the pixel.
+// Normals are unit before the mean and on the side of the camera.
 struct AovPixel {
   vec3 albedo;
   float depth;    // m along the camera's axis; infinite if the ray meets nothing
@@ -31,8 +31,8 @@ struct AovPixel {
 REGULUS_LAYOUT(AovPixel, 64);
 REGULUS_CONSTANT AOV_RAYS = 16u;
 
-// Counters of a render: 64 bits each as (low, high) words. First things that should not happen, then the
-// items that went through each queue, of camera passes and of light passes.
+// Counters of a render: 64 bits each as (low, high) words. First come things that should not happen, then the number of
+// items that went through each queue, in camera passes and in light passes.
 REGULUS_CONSTANT COUNTER_NON_FINITE = 0u;         // samples dropped because NaN, infinite or negative
 REGULUS_CONSTANT COUNTER_TRAVERSAL_OVERRUN = 1u;  // rays whose traversal hit its step bound
 REGULUS_CONSTANT COUNTER_MEDIA_OVERFLOW = 2u;     // solids that paths have forgotten: more than MEDIA_SET_SIZE at once

@@ -8,7 +8,7 @@
 
 REGULUS_INTERFACE_BEGIN
 
-// Addresses and parameters of a render: 0 for what it has not. Read through the push constant `frame`.
+// Addresses and parameters of a render; 0 where it does not have something. Read through the push constant `frame`.
 struct Frame {
   DeviceAddress bvh_nodes;
   DeviceAddress bvh_triangles;
@@ -18,7 +18,7 @@ struct Frame {
   DeviceAddress vertex_tangents; // vec4 per vertex: unit tangent, sign of the bitangent; only if a material needs them
   DeviceAddress triangles;
   DeviceAddress instances;        // only with FEATURE_INSTANCES
-  DeviceAddress instance_blocks;  // with it: the instance of each block of numbers of triangles
+  DeviceAddress instance_blocks;  // with FEATURE_INSTANCES: the instance of each block of triangle numbers
   DeviceAddress materials;
   DeviceAddress textures;
   DeviceAddress lights;
@@ -30,7 +30,7 @@ struct Frame {
   DeviceAddress sheen_table;    // float, see interface/sheen.h; only with FEATURE_SHEEN
   // Only with FEATURE_CONTACTS.
   DeviceAddress solids;               // Solid
-  DeviceAddress media_sets;           // MediaSet: the first is that outside of all solids
+  DeviceAddress media_sets;           // MediaSet; the first is empty: outside of all solids
   DeviceAddress light_media;          // per light: index of its MediaSet, or MEDIA_VARY
   // The wavefront's own arrays.
 #define STATE(name, element, times, per, when) DeviceAddress name;
@@ -54,7 +54,7 @@ struct Frame {
   uint pair_capacity;          // connection pairs per class
   uint cache_connections;      // light vertices each camera vertex connects to, drawn from all; 0: its own path's
   uint grid_cell_mask;         // number of cells - 1
-  float cache_connect_count;   // of a cache whose size is the expected one: M N / vertices. Walks need it in their MIS
+  float cache_connect_count;   // connections of a cache of the expected size: M N / vertices. Walks need it in their MIS
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel

@@ -1,4 +1,4 @@
-// A path between stages and the vertices that it leaves.
+// A path between stages, and the vertices that it leaves behind.
 #ifndef REGULUS_INTERFACE_PATH_H
 #define REGULUS_INTERFACE_PATH_H
 
@@ -10,7 +10,7 @@ REGULUS_INTERFACE_BEGIN
 // State of a path between stages: the ray to trace next and what it carries. Camera and light paths alike.
 struct Path {
   vec3 origin;
-  float mis_a;       // see lib/mis.glsl: what MIS keeps of the walk, before the distance of the ray is known
+  float mis_a;       // accumulators of MIS (lib/mis.glsl), still without the distance of the ray
   vec3 direction;    // unit
   uint pixel;        // camera path: y * width + x on the whole film, and PATH_DIFFUSED; light path: its index in the iteration
   vec3 throughput;
@@ -55,7 +55,7 @@ REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUS
 struct PathMedia {
   MediaSet around;
   vec2 barycentrics;
-  uint triangle;  // its number; INVALID_INDEX: it leaves no surface
+  uint triangle;  // the surface's number; INVALID_INDEX: the ray leaves no surface
   uint solid;     // whose boundary that is, or INVALID_INDEX
 };
 REGULUS_LAYOUT(PathMedia, 48);
@@ -74,15 +74,15 @@ struct GridEntry {
 };
 REGULUS_LAYOUT(GridEntry, 16);
 
-// What sampler quality and `both` know of a subpath beside Path or PathVertex (lib/history.glsl). In a path
-// between stages `plain` and `pending` do not know the length of the ray yet.
+// What sampler quality and `both` need to know of a subpath besides Path or PathVertex (lib/history.glsl). Between
+// stages, `plain` and `pending` do not include the length of the ray yet.
 struct PathHistory {
   vec2 plain;         // accumulators (A, B) of the unregularized weights
   float worst;        // least bound of a finished technique's estimator, times the squared length of the path, 1/m^2
   float pending;      // rho-bar of the last vertex over the squared length of the edge that leads on
   float distance;     // m, along the subpath
   float ratio;        // rho^W / rho of the last vertex
-  float sharp_ratio;  // the same for a camera that has not diffused
+  float sharp_ratio;  // the same as seen by a camera path that has not diffused
 };
 REGULUS_LAYOUT(PathHistory, 28);
 

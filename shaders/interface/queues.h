@@ -42,7 +42,7 @@ struct SplatCandidate {
 };
 REGULUS_LAYOUT(SplatCandidate, 52);
 
-// Of a visibility or splat candidate: whose it is, and its contribution without the weight.
+// Beside a visibility or splat candidate: its strategy, and its contribution without the weight.
 struct StrategyCandidate {
   vec3 unweighted;
   uint layer;  // of the strategy's images, or INVALID_INDEX
@@ -59,16 +59,16 @@ REGULUS_LAYOUT(ConnectionPair, 8);
 // Light vertices that one merge invocation looks at: an invocation may not loop longer than 65,535 times on
 // stock lavapipe.
 REGULUS_CONSTANT MERGE_ROUND_LENGTH = 32768u;
-// Where the merges of a bounce are counted, that many light vertices to look at count as one. Each vertex's begin with a
-// unit of their own.
+// Where the merges of a bounce are counted, this many light vertices to look at are one unit. Each camera vertex begins
+// with a unit of its own.
 REGULUS_CONSTANT MERGE_UNIT = 64u;
 
 // Words of Frame.light_vertex_count.
 REGULUS_CONSTANT LIGHT_COUNT_VERTICES = 0u;  // of the light paths at hand
-REGULUS_CONSTANT LIGHT_COUNT_CROWD = 1u;     // light vertices in the most crowded cell of the grid, if that is crowded
-REGULUS_CONSTANT LIGHT_COUNT_UNITS = 2u;     // of the bounce's merges, where they are counted
+REGULUS_CONSTANT LIGHT_COUNT_CROWD = 1u;     // light vertices in the fullest cell of the grid, if that cell is crowded
+REGULUS_CONSTANT LIGHT_COUNT_UNITS = 2u;     // units of the bounce's merges, where they are counted
 REGULUS_CONSTANT LIGHT_COUNT_WORDS = 3u;
-// A cell with as many light vertices is crowded.
+// A cell with this many light vertices is crowded.
 REGULUS_CONSTANT CROWDED_CELL = 16u;
 
 REGULUS_INTERFACE_END

@@ -50,25 +50,25 @@ REGULUS_CONSTANT MATERIAL_DOUBLE_SIDED = 1u;  // emits from both faces; scatteri
 REGULUS_CONSTANT MATERIAL_VOLUME = 2u;        // refracting boundary of a solid; clear: transmission is thin-walled
 REGULUS_CONSTANT MATERIAL_EMISSIVE = 4u;
 REGULUS_CONSTANT MATERIAL_UNLIT = 8u;           // its emission is its base colour: vertex colours scale it
-REGULUS_CONSTANT MATERIAL_ALPHA_MASK = 16u;     // not there where alpha is below the cut-off
-REGULUS_CONSTANT MATERIAL_ALPHA_BLEND = 32u;    // there with the probability alpha
+REGULUS_CONSTANT MATERIAL_ALPHA_MASK = 16u;     // the surface is missing where alpha is below the cut-off
+REGULUS_CONSTANT MATERIAL_ALPHA_BLEND = 32u;    // the surface is there with probability alpha
 REGULUS_CONSTANT MATERIAL_COAT_NORMAL = 64u;    // the clearcoat's normal is not the base's
 
-// Material classes: which lobes a material can have, so that each class has its own bounce queue and a
-// pipeline without the code of the other lobes. In a triangle's tag (see bvh.h) the low 8 bits.
+// Material classes: which lobes a material can have. Each class has a bounce queue of its own and a pipeline without the
+// code of other lobes. The low 8 bits of a triangle's tag (see bvh.h).
 REGULUS_CONSTANT MATERIAL_CLASS_DIFFUSE = 0u;       // Lambert only
 REGULUS_CONSTANT MATERIAL_CLASS_OPAQUE = 1u;        // Lambert and microfacet reflection
 REGULUS_CONSTANT MATERIAL_CLASS_TRANSMISSIVE = 2u;  // Lambert, microfacet reflection and transmission
 REGULUS_CONSTANT MATERIAL_CLASS_COUNT = 3u;
 
-// In a triangle's tag, beside the material class: rays ask whether the surface is there.
+// In a triangle's tag, beside the material class: the surface may have holes, so rays have to ask.
 REGULUS_CONSTANT TRIANGLE_TAG_ALPHA = 256u;
 REGULUS_CONSTANT TRIANGLE_TAG_EMITS = 512u;        // from its front
 REGULUS_CONSTANT TRIANGLE_TAG_EMITS_BACK = 1024u;  // and from its back
 REGULUS_CONSTANT TRIANGLE_TAG_CLOSED = 2048u;      // bounds a solid that is closed
-REGULUS_CONSTANT TRIANGLE_TAG_SOLID_SHIFT = 12u;   // from here on: one more than the Solid whose boundary it is, 0: of none
+REGULUS_CONSTANT TRIANGLE_TAG_SOLID_SHIFT = 12u;   // from here on: 1 + the Solid whose boundary it is; 0: none
 REGULUS_CONSTANT TRIANGLE_TAG_SOLID_MASK = 0x7FFFFu;
-REGULUS_CONSTANT TRIANGLE_TAG_FRONT = 1u << 31;    // of a hit, only with FEATURE_CONTACTS: its front was met
+REGULUS_CONSTANT TRIANGLE_TAG_FRONT = 1u << 31;    // in the tag of a hit, only with FEATURE_CONTACTS: the front was met
 
 // What a refracting material with a volume bounds. Solids are numbered by rank: where several overlap, the medium is that of
 // the least number (host/scene/solids.hpp says how they are ranked).
@@ -84,14 +84,14 @@ struct MediaSet {
 };
 REGULUS_LAYOUT(MediaSet, 32);
 REGULUS_CONSTANT MEDIA_SET_SIZE = 8u;
-// In place of the index of a MediaSet, and in Path.medium: to be found for each point.
+// In place of the index of a MediaSet, and in Path.medium: it varies and has to be found for each point.
 REGULUS_CONSTANT MEDIA_VARY = 0xFFFFFFFEu;
 
-// Where surfaces come closer than this, in roundings (2^-24) of the ray's largest coordinate and of the distance, along their
-// normals, their order is fixed: see lib/contacts.glsl.
+// Where surfaces come closer than this along their normals, in roundings (2^-24) of the ray's largest coordinate and of the
+// distance, rules decide their order: see lib/contacts.glsl.
 REGULUS_CONSTANT CONTACT_ROUNDINGS = 16u;
-// Rays that leave a surface which bounds no closed solid start so many roundings of its coordinates off it, beyond what else lies
-// in the same plane.
+// Rays that leave a surface which bounds no closed solid start this many roundings of its coordinates away from it, and so
+// beyond whatever else lies in the same plane.
 REGULUS_CONSTANT CONTACT_CLEARANCE = 8u;
 
 // glTF metallic-roughness with the extensions we read. The model it parametrizes is in
@@ -146,7 +146,7 @@ REGULUS_CONSTANT TEXTURE_UNORM16 = 128u;    // texels are fractions of 65535
 REGULUS_CONSTANT TEXTURE_HALF = 256u;       // texels are half floats
 REGULUS_CONSTANT TEXTURE_SRGB = 512u;       // RGB are sRGB codes of 8 bits: what holds colours, if it is not 16 bits wide
 
-// And the set of coordinates: 0 the vertices' own, n the n-th of Frame.vertex_uvs.
+// From this bit on, the set of coordinates: 0 is the vertices' own, n the n-th of Frame.vertex_uvs.
 REGULUS_CONSTANT TEXTURE_SET_SHIFT = 10u;
 REGULUS_CONSTANT TEXTURE_SET_MASK = 15u;
 
@@ -193,7 +193,7 @@ REGULUS_LAYOUT(Light, 64);
 // column by that row's, one of width + 1 entries; all rows' follow each other behind the first. Within a cell x and y are
 // uniform.
 struct Environment {
-  vec3 radiance;        // of all directions, if there is no map
+  vec3 radiance;        // the same in all directions, if there is no map
   float selection_pdf;  // of its light, by power
   uint width, height;   // of the map; 0: there is none
   float rotation;       // turns about +y, counterclockwise seen from above, [0, 1)
@@ -224,7 +224,7 @@ struct LightPair {
 };
 REGULUS_LAYOUT(LightPair, 32);
 REGULUS_CONSTANT LIGHT_PAIR_LEAF = 1u << 31;     // of a child
-REGULUS_CONSTANT LIGHT_PAIR_TWO_SIDED = 1u;      // << node: the normals' opposites are normals as well
+REGULUS_CONSTANT LIGHT_PAIR_TWO_SIDED = 1u;      // << node: lights emit from both sides
 REGULUS_CONSTANT LIGHT_PAIR_FIXED = 4u;          // the first node is chosen with probability first_share wherever from, for
                                                  // what is infinitely far away; the children's sphere is the parent's
 REGULUS_CONSTANT MAX_LIGHT_TREE_DEPTH = 32u;     // pairs on the way to a leaf: the bits of a trail

@@ -10,7 +10,7 @@ REGULUS_INTERFACE_BEGIN
 // perceptual roughnesses, which go by the square of the row from the least to 1. At grazing it exceeds 1 below .3.
 REGULUS_CONSTANT SHEEN_DIRECTIONS = 64u;
 REGULUS_CONSTANT SHEEN_ROWS = 32u;
-// Sheen that is less rough has this roughness, in hundredths: the density's exponent is 1 / roughness^2.
+// Least roughness of sheen, in hundredths: the density's exponent is 1 / roughness^2.
 REGULUS_CONSTANT SHEEN_LEAST_HUNDREDTHS = 7u;
 
 REGULUS_INTERFACE_END

@@ -17,7 +17,7 @@ REGULUS_CONSTANT SPEC_SAMPLER = 7u;         // SAMPLER_*
 REGULUS_CONSTANT SPEC_REGULARIZATION = 8u;  // REGULARIZATION_* bits
 REGULUS_CONSTANT SPEC_BOUND = 9u;           // BOUND_*
 REGULUS_CONSTANT SPEC_MIS = 10u;             // MIS_*
-REGULUS_CONSTANT SPEC_WALK = 11u;            // WALK_*: whose paths the stage moves
+REGULUS_CONSTANT SPEC_WALK = 11u;            // WALK_*: whether the stage walks camera paths or light paths
 REGULUS_CONSTANT SPEC_SAMPLER_QUALITY = 12u; // SAMPLER_QUALITY_*
 REGULUS_CONSTANT SPEC_CLAMP = 13u;           // 1: no contribution exceeds Frame.largest_contribution
 REGULUS_CONSTANT SPEC_CROP = 14u;            // 1: only the pixels of Frame.crop are rendered
@@ -59,11 +59,11 @@ REGULUS_CONSTANT SAMPLER_HASH = 1u;   // independent numbers
 // Regularization at connections and merges (lib/regularization.glsl).
 REGULUS_CONSTANT REGULARIZATION_NONE = 0u;
 REGULUS_CONSTANT REGULARIZATION_ROUGHNESS = 1u;   // bsdfs are evaluated with raised roughness
-REGULUS_CONSTANT REGULARIZATION_CONSISTENT = 2u;  // which shrinks from iteration to iteration
+REGULUS_CONSTANT REGULARIZATION_CONSISTENT = 2u;  // the raised roughness shrinks from iteration to iteration
 REGULUS_CONSTANT REGULARIZATION_VIRTUAL_MERGE = 4u;  // with ROUGHNESS, whose lobes then serve the weights alone: the
                                                     // value is what the lobe sends into a cone around the direction
-REGULUS_CONSTANT REGULARIZATION_BOTH = 8u;           // with ROUGHNESS: beside the unregularized techniques
-REGULUS_CONSTANT REGULARIZATION_DIFFUSION = 16u;     // with ROUGHNESS: by path diffusion, what is seen sharply is left alone
+REGULUS_CONSTANT REGULARIZATION_BOTH = 8u;           // with ROUGHNESS: regularized and unregularized techniques side by side
+REGULUS_CONSTANT REGULARIZATION_DIFFUSION = 16u;     // with ROUGHNESS: path diffusion leaves alone what is seen sharply
 REGULUS_CONSTANT SAMPLER_QUALITY_OFF = 0u;
 REGULUS_CONSTANT SAMPLER_QUALITY_ON = 1u;      // paths that some technique samples well are not regularized
 REGULUS_CONSTANT SAMPLER_QUALITY_SMOOTH = 2u;  // with a smooth transition

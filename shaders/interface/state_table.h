@@ -17,7 +17,7 @@ STATE(path_footprints,         vec3,                1,                    PER_PA
 STATE(path_media,              PathMedia,           1,                    PER_PATH,           STATE_MEDIA)
 // Accumulators (A, B) for a camera that sees the vertex sharply (lib/mis.glsl).
 STATE(light_path_sharp,        vec2,                1,                    PER_PATH,           STATE_SHARP)
-// The first of its merge's units, where a bounce's merges are counted.
+// The first unit of its merge, where the merges of a bounce are counted.
 STATE(merge_starts,            uint,                1,                    PER_PATH,           STATE_MERGES)
 
 // ---- queues
@@ -67,7 +67,7 @@ STATE(film_squares,            uint,                FILM_WORDS_PER_PIXEL, PER_PI
 STATE(aovs,                    AovPixel,            1,                    PER_PIXEL,          STATE_SURFACES)
 // Of each strategy two films, weighted and not (lib/strategies.glsl).
 STATE(strategy_film,           uint,                FILM_WORDS_PER_PIXEL, PER_STRATEGY_PIXEL, STATE_STRATEGIES)
-// By edges of a path, s, and whether it is a merge: the number of the strategy.
+// The number of a strategy, by the path's edges, s, and whether it is a merge.
 STATE(strategy_layers,         uint,                1,                    PER_STRATEGY_PLACE, STATE_STRATEGIES)
 // 64 bits each, see COUNTER_*.
 STATE(counters,                uint,                2 * COUNTER_COUNT,    PER_RENDER,         STATE_ALWAYS)

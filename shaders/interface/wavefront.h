@@ -1,4 +1,4 @@
-// All that host and kernels share of a render.
+// Everything of a render that host and kernels share.
 #ifndef REGULUS_INTERFACE_WAVEFRONT_H
 #define REGULUS_INTERFACE_WAVEFRONT_H
 

@@ -20,8 +20,8 @@ struct CheckLine {
 };
 
 /// Every stage, whole paths, connections, merges and images of a plan's settings on a device, each against
-/// the scalar reference on the same data. Takes minutes for films of more than 10^4 pixels. Only the line
-/// that is broken is followed by no others.
+/// the scalar reference on the same data. Takes minutes for films of more than 10^4 pixels. A line that fails
+/// does not end the check, but broken lists of light vertices leave out the lines that would read them.
 /// @param on_line told of each line when it is known
 std::vector<CheckLine> check_device(const Plan& plan, const Device& device,
                                     const std::function<void(const CheckLine&)>& on_line = {});
@@ -40,12 +40,12 @@ struct TracedVertex {
   double pdf_to_camera = 0;                  ///< of the same step walked from the light, 1/sr
   bool is_delta = false;                     ///< a mirror's or clear glass's: pdfs are then its probability
   // Of the device, in single precision:
-  bool is_on_device = false;                  ///< its path came so far
+  bool is_on_device = false;                  ///< its path reaches this vertex, too
   std::array<double, 3> device_position{};    ///< as position
   std::array<double, 3> device_throughput{};  ///< as throughput
   uint32_t device_triangle = 0;               ///< as triangle
-  double device_mis_a = 0;                    ///< first accumulator of the weights as the ray left for here
-  double device_mis_b = 0;                    ///< and the second (docs/mathematics.md 3)
+  double device_mis_a = 0;  ///< first accumulator of the weights, as the ray to here sets out
+  double device_mis_b = 0;  ///< second accumulator (docs/mathematics.md 3)
 };
 
 /// One of the techniques that can find a path.
@@ -57,7 +57,7 @@ struct TracedTechnique {
 
 /// A path that the reference found on its camera path, and what it is worth.
 struct TracedContribution {
-  std::string technique;                    ///< that found it
+  std::string technique;                    ///< the one that found it
   uint32_t edges = 0;                       ///< of the path
   double weight = 0;                        ///< of multiple importance sampling
   std::array<double, 3> unweighted{};       ///< f / (n p), linear RGB; the contribution is weight times this

@@ -6,7 +6,7 @@
 
 namespace regulus {
 
-/// What kind of error it is, for programs that go on by it.
+/// What kind of error it is, for programs that act on it.
 enum class ErrorCode {
   Failed,      ///< neither the caller's nor a file's fault: no memory, a place that cannot be written
   BadUsage,    ///< an argument or setting that makes no sense, by itself or with the others

@@ -22,7 +22,7 @@ struct Picture {
   std::map<std::string, std::string> attributes;
   uint32_t x = 0;            ///< left edge on the film: more than 0 for a crop
   uint32_t y = 0;            ///< top edge likewise
-  uint32_t film_width = 0;   ///< pixels of the film; 0: it is the film
+  uint32_t film_width = 0;   ///< pixels of the film; 0: the picture is the whole film
   uint32_t film_height = 0;  ///< likewise
 };
 

@@ -1,4 +1,4 @@
-// From a prepared scene and settings by a plan to a picture.
+// From a prepared scene and settings, by way of a plan, to a picture.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ namespace regulus {
 /// What renders: a Vulkan device, or the scalar reference.
 class Device {
  public:
-  /// As the driver calls it, or "scalar reference".
+  /// The driver's name for it, or "scalar reference".
   std::string name() const;
 
   /// @cond internal
@@ -80,7 +80,7 @@ class Plan {
   std::shared_ptr<const Impl> impl_;
 };
 
-/// Decides what is done of the scene's settings and `settings`, which win.
+/// Decides what is done of what the scene's own settings and `settings` ask for; the latter win.
 /// @throws SettingError for a value that does not fit the scene, Error (BadFile) for one of the scene's
 Plan make_plan(const Prepared& scene, const Settings& settings = {});
 
@@ -136,7 +136,7 @@ class Renderer {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Joins parts of one render, ranges of samples ("samples") or crops, exactly: the file has the bits that one
+/// Joins parts of one render, ranges of samples ("samples") or crops. The file has exactly the bits that one
 /// render of all of them would have. @throws Error (BadFile) if they do not belong together or are damaged
 void merge_parts(const std::vector<std::filesystem::path>& parts, const std::filesystem::path& output);
 

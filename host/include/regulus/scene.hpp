@@ -84,8 +84,8 @@ class Scene {
 Scene load(const std::filesystem::path& path, const LoadOptions& options = {});
 
 /// A scene with its acceleration structure, lights and all that is found out once: const, and shared by every
-/// render of it. Takes about as long as loading; afterwards any number of settings, but for the camera
-/// itself, can be rendered.
+/// render of it. Takes about as long as loading; afterwards the scene can be rendered with any settings. Only
+/// its cameras are fixed.
 using Prepared = std::shared_ptr<const PreparedScene>;
 
 /// Prepares a scene, which is copied; changing it later changes nothing here.
