@@ -254,7 +254,7 @@ void declare_outputs(CLI::App& command, BenchErrorOptions& options) {
       ->type_name("x0,y0,x1,y1");
   command.add_option("--json", options.json, "Write what was measured as JSON")->type_name("FILE");
   command.add_option("--html", options.html, "Write a page with plots and pictures")->type_name("FILE");
-  command.add_option("--device", options.device, "Index or part of the name of the Vulkan device")
+  command.add_option("--device", options.device, "Index, uuid:... or part of the name of the Vulkan device")
       ->type_name("DEVICE");
   declare_budget(command, options.budget);
 }
@@ -289,7 +289,8 @@ void add_bench_error_commands(CLI::App& bench) {
       ->type_name("OPTIONS")
       ->capture_default_str();
   reference
-      ->add_option("--device", reference_options->device, "Index or part of the name of the Vulkan device")
+      ->add_option("--device", reference_options->device,
+                   "Index, uuid:... or part of the name of the Vulkan device")
       ->type_name("DEVICE");
   declare_budget(*reference, reference_options->budget);
   reference->callback([reference_options] { run_bench_reference(*reference_options); });

@@ -84,7 +84,7 @@ void add_bench_skip_command(CLI::App& bench) {
       ->check(whole_number_in(1, 1000))
       ->capture_default_str();
   skip->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
-  skip->add_option("--device", options->device, "Index or part of the name of the Vulkan device")
+  skip->add_option("--device", options->device, "Index, uuid:... or part of the name of the Vulkan device")
       ->type_name("DEVICE");
   skip->callback([options] { run_bench_skip(*options); });
 }

@@ -87,7 +87,7 @@ void add_bench_stability_command(CLI::App& bench) {
       ->check(CLI::IsMember(stability::family_names()));
   command->add_option("--json", options->json, "Write what was measured as JSON")->type_name("FILE");
   command->add_option("--html", options->html, "Write a page with tables and plots")->type_name("FILE");
-  command->add_option("--device", options->device, "Index or part of the name of the Vulkan device")
+  command->add_option("--device", options->device, "Index, uuid:... or part of the name of the Vulkan device")
       ->type_name("DEVICE");
   command->callback([options] { run_bench_stability(*options); });
 }

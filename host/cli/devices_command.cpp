@@ -35,12 +35,12 @@ void print_devices() {
         ErrorCode::NoDevice,
         "no Vulkan device found; install a Vulkan driver (Debian: mesa-vulkan-drivers) and try again");
   for (const gpu::DeviceInfo& device : devices) {
-    say("{}: {} ({})\n   driver {}, Vulkan {}.{}.{}, {:.1f} GiB of device memory\n", device.index,
-        device.name, kind_name(device.kind), device.driver, device.api_version >> 22 & 0x7F,
+    say("{}: {} ({})\n   uuid:{}\n   driver {}, Vulkan {}.{}.{}, {:.1f} GiB of device memory\n", device.index,
+        device.name, kind_name(device.kind), device.uuid, device.driver, device.api_version >> 22 & 0x7F,
         device.api_version >> 12 & 0x3FF, device.api_version & 0xFFF,
         static_cast<double>(device.heap_bytes) / (1 << 30));
     if (device.usable())
-      say("   can be used\n");
+      say("   can be used{}\n", device.has_ray_query ? ", has ray queries (--rays hardware)" : "");
     else
       say("   cannot be used: {}\n", fmt::join(device.missing, "; "));
   }

@@ -54,9 +54,10 @@ Buffer Device::create_buffer(uint64_t bytes, std::string_view name) {
   Buffer buffer;
   if (bytes == 0) return buffer;
   DeviceState& state = *impl->state;
-  Allocation allocation = state.allocate(
-      bytes, eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress,
-      info().kind == DeviceKind::Software, name);
+  vk::BufferUsageFlags usage =
+      eStorageBuffer | eIndirectBuffer | eTransferSrc | eTransferDst | eShaderDeviceAddress;
+  if (info().has_ray_query) usage |= eAccelerationStructureBuildInputReadOnlyKHR;
+  Allocation allocation = state.allocate(bytes, usage, info().kind == DeviceKind::Software, name);
   const uint64_t address = state.device.getBufferAddress({*allocation.buffer});
   buffer.impl.reset(new Buffer::Impl{impl->state, std::string(name), bytes, address, std::move(allocation)});
 

@@ -23,12 +23,6 @@ Candidate choose(const Instance* instance, std::string_view select) {
   return candidates[select_device(infos, select)];
 }
 
-bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
-  const auto extensions = physical.enumerateDeviceExtensionProperties();
-  return std::any_of(extensions.begin(), extensions.end(),
-                     [&](const auto& extension) { return name == extension.extensionName.data(); });
-}
-
 /// Whether the driver tells what it made of a kernel.
 bool can_tell_statistics(const vk::raii::PhysicalDevice& physical) {
   if (!has_extension(physical, VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME)) return false;
@@ -38,21 +32,28 @@ bool can_tell_statistics(const vk::raii::PhysicalDevice& physical) {
          0;
 }
 
-vk::raii::Device open(const Candidate& chosen, bool with_memory_budget, bool with_statistics) {
+vk::raii::Device open(const Candidate& chosen, bool with_statistics) {
   const float priority = 1;
   const vk::DeviceQueueCreateInfo queue({}, chosen.queue_family, 1, &priority);
-  std::vector<const char*> extensions;
-  if (with_memory_budget) extensions.push_back(VK_EXT_MEMORY_BUDGET_EXTENSION_NAME);
-  if (with_statistics) extensions.push_back(VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME);
+  const std::vector<const char*> extensions =
+      extensions_to_enable(extensions_of(chosen.physical), with_statistics, chosen.info.has_ray_query);
 
   vk::StructureChain<vk::DeviceCreateInfo, vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan12Features,
-                     vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>
+                     vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR,
+                     vk::PhysicalDeviceAccelerationStructureFeaturesKHR,
+                     vk::PhysicalDeviceRayQueryFeaturesKHR>
       create;
   create.get<vk::DeviceCreateInfo>().setQueueCreateInfos(queue).setPEnabledExtensionNames(extensions);
   create.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 = chosen.info.has_int64;
   create.get<vk::PhysicalDeviceVulkan12Features>().setBufferDeviceAddress(true).setScalarBlockLayout(true);
   create.get<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>().setPipelineExecutableInfo(true);
   if (!with_statistics) create.unlink<vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR>();
+  create.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().setAccelerationStructure(true);
+  create.get<vk::PhysicalDeviceRayQueryFeaturesKHR>().setRayQuery(true);
+  if (!chosen.info.has_ray_query) {
+    create.unlink<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>();
+    create.unlink<vk::PhysicalDeviceRayQueryFeaturesKHR>();
+  }
   try {
     return {chosen.physical, create.get<vk::DeviceCreateInfo>()};
   } catch (const vk::SystemError& error) {
@@ -91,7 +92,7 @@ DeviceState::DeviceState(const DeviceOptions& options)
   memory_bytes = options.memory_bytes != 0 ? options.memory_bytes : std::numeric_limits<uint64_t>::max();
   memory = chosen.physical.getMemoryProperties();
   tells_statistics = options.kernel_statistics && can_tell_statistics(chosen.physical);
-  device = open(chosen, has_memory_budget, tells_statistics);
+  device = open(chosen, tells_statistics);
   queue = vk::raii::Queue(device, chosen.queue_family, 0);
   pool = vk::raii::CommandPool(device,
                                {vk::CommandPoolCreateFlagBits::eResetCommandBuffer, chosen.queue_family});

@@ -5,6 +5,7 @@
 // no descriptors.
 #pragma once
 
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -25,11 +26,13 @@ enum class DeviceKind { Discrete, Integrated, Virtual, Other, Software };
 struct DeviceInfo {
   uint32_t index = 0;  ///< as printed by `regulus devices`, accepted by --device
   std::string name;
+  std::string uuid;    ///< 32 hexadecimal digits, as accepted by --device uuid:...; empty before Vulkan 1.2
   std::string driver;  ///< driver name and version text
   DeviceKind kind = DeviceKind::Other;
   uint32_t api_version = 0;          ///< VK_MAKE_API_VERSION encoding
   std::vector<std::string> missing;  ///< needed features and limits it lacks, one phrase each; empty: usable
   bool has_int64 = false;            ///< shaderInt64
+  bool has_ray_query = false;        ///< VK_KHR_ray_query and what it needs: AccelerationStructure
   uint32_t subgroup_size = 0;
   uint64_t heap_bytes = 0;            ///< size of the largest device-local heap
   uint64_t max_allocation_bytes = 0;  ///< maxMemoryAllocationSize
@@ -60,6 +63,37 @@ class Buffer {
 
   struct Impl;
   std::unique_ptr<Impl> impl;
+};
+
+/// What the device's own ray queries search: triangles, or copies of structures of triangles. Freed with the
+/// object, under the precondition of Buffer. The structures that are copied must live as long.
+class AccelerationStructure {
+ public:
+  AccelerationStructure();
+  ~AccelerationStructure();
+  AccelerationStructure(AccelerationStructure&&) noexcept;
+  AccelerationStructure& operator=(AccelerationStructure&&) noexcept;
+
+  uint64_t address() const;  ///< what kernels make an accelerationStructureEXT of; 0 if there is none
+
+  struct Impl;
+  std::unique_ptr<Impl> impl;
+};
+
+/// Triangles of a structure, all of one geometry index.
+struct StructureTriangles {
+  const Buffer& vertices;  ///< each begins with its position, three floats
+  uint32_t vertex_bytes;
+  std::span<const uint32_t> corners;  ///< vertices of the triangles, three each
+  bool is_opaque;                     ///< queries take hits as they are; else each is put to the kernel
+};
+
+/// A copy of a structure of triangles.
+struct StructureCopy {
+  const AccelerationStructure& of;
+  std::array<float, 12> to_world;  ///< three rows of a matrix of four columns
+  uint32_t id;                     ///< what queries call it, below 2^24
+  bool is_opaque;                  ///< its triangles are what they say; else none is
 };
 
 /// A compute pipeline.
@@ -134,7 +168,7 @@ struct KernelStatistics {
 };
 
 struct DeviceOptions {
-  std::string select;          ///< index or part of the name; empty: the first usable device
+  std::string select;          ///< index, uuid:... or part of the name; empty: the first usable device
   bool pipeline_cache = true;  ///< keep compiled pipelines in the user's cache folder
   /// Measure the time of every dispatch on software devices too, where it costs lavapipe about 20 us a
   /// dispatch. Without, their times are 0; other devices are always timed, which costs them nearly nothing.
@@ -161,6 +195,11 @@ class Device {
   /// Blocking copies through staging memory, in pieces.
   void upload(const Buffer& buffer, uint64_t offset, std::span<const std::byte> data);
   void download(const Buffer& buffer, uint64_t offset, std::span<std::byte> data);
+
+  /// Builds on the device and waits. Geometry indices are places in `geometries`, primitive indices places in
+  /// their `corners`. Precondition: DeviceInfo::has_ray_query.
+  AccelerationStructure build_structure(std::span<const StructureTriangles> geometries);
+  AccelerationStructure build_structure(std::span<const StructureCopy> copies);
 
   Kernel create_kernel(const KernelDescription& description);
   /// The same for several at once, compiled by as many threads as the machine has; in the order of

@@ -1,6 +1,7 @@
 #include "gpu/instance.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -43,6 +44,23 @@ uint64_t largest_device_heap(const vk::PhysicalDeviceMemoryProperties& memory) {
   return largest;
 }
 
+/// Fills in whether the device has ray queries, and what building their structures needs.
+void describe_ray_queries(const vk::raii::PhysicalDevice& physical, Candidate& candidate) {
+  const std::vector<std::string> extensions = extensions_of(physical);
+  const auto is_there = [&](const char* name) { return std::ranges::count(extensions, name) != 0; };
+  if (!std::ranges::all_of(RAY_QUERY_EXTENSIONS, is_there)) return;
+  const auto features =
+      physical.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceAccelerationStructureFeaturesKHR,
+                            vk::PhysicalDeviceRayQueryFeaturesKHR>();
+  candidate.info.has_ray_query =
+      features.get<vk::PhysicalDeviceAccelerationStructureFeaturesKHR>().accelerationStructure != 0 &&
+      features.get<vk::PhysicalDeviceRayQueryFeaturesKHR>().rayQuery != 0;
+  const auto properties = physical.getProperties2<vk::PhysicalDeviceProperties2,
+                                                  vk::PhysicalDeviceAccelerationStructurePropertiesKHR>();
+  candidate.scratch_alignment = properties.get<vk::PhysicalDeviceAccelerationStructurePropertiesKHR>()
+                                    .minAccelerationStructureScratchOffsetAlignment;
+}
+
 /// Fills in what only a Vulkan 1.2 device can be asked.
 void describe_1_2(const vk::raii::PhysicalDevice& physical, DeviceInfo& info) {
   const auto properties =
@@ -51,6 +69,7 @@ void describe_1_2(const vk::raii::PhysicalDevice& physical, DeviceInfo& info) {
   const auto& basic = properties.get<vk::PhysicalDeviceVulkan11Properties>();
   const auto& driver = properties.get<vk::PhysicalDeviceVulkan12Properties>();
   info.driver = fmt::format("{} {}", driver.driverName.data(), driver.driverInfo.data());
+  info.uuid = fmt::format("{:02x}", fmt::join(basic.deviceUUID, ""));
   info.subgroup_size = basic.subgroupSize;
   info.max_allocation_bytes = basic.maxMemoryAllocationSize;
   if (info.api_version >= VK_API_VERSION_1_3) {
@@ -99,6 +118,7 @@ Candidate describe(const vk::raii::PhysicalDevice& physical) {
     return candidate;
   }
   describe_1_2(physical, info);
+  describe_ray_queries(physical, candidate);
   check_limit(info, "maxPushConstantsSize", properties.limits.maxPushConstantsSize, PUSH_CONSTANT_BYTES);
   check_limit(info, "maxComputeWorkGroupInvocations", info.max_workgroup_size, NEEDED_WORKGROUP_SIZE);
   check_limit(info, "maxComputeSharedMemorySize", properties.limits.maxComputeSharedMemorySize,
@@ -112,6 +132,19 @@ void choose_software_vector_width() {
   if (*SOFTWARE_VECTOR_BITS != '\0') set_default_variable("LP_NATIVE_VECTOR_WIDTH", SOFTWARE_VECTOR_BITS);
 }
 
+/// Drivers that are layered over another interface (MoltenVK) are shown to those only who ask for them.
+/// Asking first is cheaper than looking whether the loader knows the question: it loads every driver for
+/// that.
+vk::raii::Instance create_instance(const vk::raii::Context& context, const vk::ApplicationInfo& application) {
+  const char* portability = VK_KHR_PORTABILITY_ENUMERATION_EXTENSION_NAME;
+  try {
+    return {context, vk::InstanceCreateInfo(vk::InstanceCreateFlagBits::eEnumeratePortabilityKHR,
+                                            &application, {}, portability)};
+  } catch (const vk::ExtensionNotPresentError&) {
+    return {context, vk::InstanceCreateInfo({}, &application)};
+  }
+}
+
 }  // namespace
 
 std::shared_ptr<Instance> Instance::open() {
@@ -119,11 +152,22 @@ std::shared_ptr<Instance> Instance::open() {
   try {
     vk::raii::Context context;
     const vk::ApplicationInfo application("regulus", 1, nullptr, 0, VK_API_VERSION_1_3);
-    vk::raii::Instance handle(context, vk::InstanceCreateInfo({}, &application));
+    vk::raii::Instance handle = create_instance(context, application);
     return std::make_shared<Instance>(Instance{std::move(context), std::move(handle)});
   } catch (const std::runtime_error&) {
     return nullptr;  // no libvulkan, or a loader without a driver
   }
+}
+
+std::vector<std::string> extensions_of(const vk::raii::PhysicalDevice& physical) {
+  std::vector<std::string> names;
+  for (const vk::ExtensionProperties& extension : physical.enumerateDeviceExtensionProperties())
+    names.emplace_back(extension.extensionName.data());
+  return names;
+}
+
+bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name) {
+  return std::ranges::count(extensions_of(physical), name) != 0;
 }
 
 std::vector<Candidate> find_devices(const Instance& instance) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 #include <vulkan/vulkan_raii.hpp>
 
@@ -23,7 +25,12 @@ struct Candidate {
   vk::raii::PhysicalDevice physical;
   uint32_t queue_family = 0;  ///< first one with compute
   uint32_t timestamp_bits = 0;
+  uint64_t scratch_alignment = 1;  ///< of memory that structures are built in, bytes
 };
+
+/// The device extensions that a device has; whether it has one.
+std::vector<std::string> extensions_of(const vk::raii::PhysicalDevice& physical);
+bool has_extension(const vk::raii::PhysicalDevice& physical, std::string_view name);
 
 /// All devices in order of preference, their indices set.
 std::vector<Candidate> find_devices(const Instance& instance);

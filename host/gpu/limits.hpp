@@ -1,6 +1,7 @@
 // What Regulus needs of a device, and the constants of the device layer. Internal to host/gpu.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -25,5 +26,9 @@ inline constexpr size_t CACHED_KERNELS = 1024;
 /// Mesa's disk cache does not tell the widths apart: use a fresh cache folder (MESA_SHADER_CACHE_DIR) when
 /// comparing them.
 inline constexpr const char* SOFTWARE_VECTOR_BITS = "";
+
+/// What ray queries need. (The names of vulkan_core.h, which this header does without.)
+inline constexpr std::array RAY_QUERY_EXTENSIONS = {"VK_KHR_ray_query", "VK_KHR_acceleration_structure",
+                                                    "VK_KHR_deferred_host_operations"};
 
 }  // namespace regulus::gpu

@@ -8,6 +8,7 @@
 #include <charconv>
 
 #include "base/error.hpp"
+#include "gpu/limits.hpp"
 
 namespace regulus::gpu {
 namespace {
@@ -35,6 +36,15 @@ std::string describe_all(std::span<const DeviceInfo> devices) {
   throw Error(ErrorCode::NoDevice, message);
 }
 
+/// The digits behind "uuid:", without dashes; empty if the text does not begin so.
+std::string uuid_of(std::string_view text) {
+  constexpr std::string_view PREFIX = "uuid:";
+  if (!text.starts_with(PREFIX)) return {};
+  std::string digits(text.substr(PREFIX.size()));
+  std::erase(digits, '-');
+  return digits.empty() ? "none" : digits;
+}
+
 /// The positions that `select` can mean. A number is an index if there is a device of that index, otherwise
 /// it is looked for in the names ("3090").
 std::vector<size_t> matches(std::span<const DeviceInfo> devices, std::string_view select) {
@@ -45,8 +55,11 @@ std::vector<size_t> matches(std::span<const DeviceInfo> devices, std::string_vie
 
   std::vector<size_t> found;
   const std::string wanted = lower_case(select);
+  const std::string uuid = uuid_of(wanted);
   for (size_t i = 0; i < devices.size(); ++i)
-    if (lower_case(devices[i].name).find(wanted) != std::string::npos) found.push_back(i);
+    if (uuid.empty() ? lower_case(devices[i].name).find(wanted) != std::string::npos
+                     : devices[i].uuid == uuid)
+      found.push_back(i);
   return found;
 }
 
@@ -82,8 +95,8 @@ size_t select_device(std::span<const DeviceInfo> devices, std::string_view selec
   if (found.empty())
     fail(fmt::format("device {}: no such device; there is {}", select, describe_all(devices)));
   if (found.size() > 1)
-    fail(fmt::format("device {}: more than one device has this name, give the index; there is {}", select,
-                     describe_all(devices)));
+    fail(fmt::format("device {}: more than one device has this name, give the index or uuid; there is {}",
+                     select, describe_all(devices)));
   const DeviceInfo& chosen = devices[found.front()];
   if (!chosen.usable())
     fail(fmt::format("device {}: {} cannot be used, it lacks {}", select, chosen.name,
@@ -107,6 +120,15 @@ std::string lost_message(const std::string& device, std::span<const std::string>
     when = fmt::format("while running stage {}", fmt::join(distinct, " or "));
   }
   return fmt::format("device {} lost {}; try another one or a newer driver", device, when);
+}
+
+std::vector<const char*> extensions_to_enable(std::span<const std::string> has, bool with_statistics,
+                                              bool with_ray_queries) {
+  std::vector<const char*> wanted = {"VK_EXT_memory_budget", "VK_KHR_portability_subset"};
+  if (with_statistics) wanted.push_back("VK_KHR_pipeline_executable_properties");
+  if (with_ray_queries) wanted.insert(wanted.end(), RAY_QUERY_EXTENSIONS.begin(), RAY_QUERY_EXTENSIONS.end());
+  std::erase_if(wanted, [&](const char* name) { return std::ranges::find(has, name) == has.end(); });
+  return wanted;
 }
 
 }  // namespace regulus::gpu

@@ -23,4 +23,9 @@ size_t select_device(std::span<const DeviceInfo> devices, std::string_view selec
 /// ended; negative: not known.
 std::string lost_message(const std::string& device, std::span<const std::string> stages, int completed);
 
+/// What a device that has the extensions `has` is opened with. Whoever has portability_subset must be asked
+/// for it.
+std::vector<const char*> extensions_to_enable(std::span<const std::string> has, bool with_statistics,
+                                              bool with_ray_queries);
+
 }  // namespace regulus::gpu

@@ -104,6 +104,15 @@ struct Buffer::Impl {
 /// The Vulkan buffer; throws std::logic_error unless bytes [offset, offset + bytes) lie inside.
 vk::Buffer checked_range(const Buffer& buffer, uint64_t offset, uint64_t bytes);
 
+struct AccelerationStructure::Impl {
+  std::shared_ptr<DeviceState> state;
+  Allocation storage;
+  vk::raii::AccelerationStructureKHR handle{nullptr};
+  uint64_t address = 0;
+
+  ~Impl() { state->release(storage); }
+};
+
 struct Kernel::Impl {
   std::shared_ptr<DeviceState> state;
   std::string name;

@@ -29,6 +29,13 @@ TEST(GpuDevices, AreListedWithTheirIndices) {
   }
 }
 
+TEST(GpuDevices, AreOpenedByTheirUuid) {
+  for (const DeviceInfo& info : list_devices()) {
+    ASSERT_EQ(info.uuid.size(), 32u);
+    EXPECT_EQ(Device(DeviceOptions{.select = "uuid:" + info.uuid}).info().index, info.index);
+  }
+}
+
 TEST(GpuDevices, UnknownNameIsNoDevice) {
   const std::string message =
       error_of(ErrorCode::NoDevice, [] { Device(DeviceOptions{.select = "no such device"}); });

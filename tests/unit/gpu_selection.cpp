@@ -74,6 +74,34 @@ TEST(GpuSelection, AmbiguousChoiceAsksForTheIndex) {
   EXPECT_TRUE(contains(complaint(machine, "radeon"), "more than one"));
 }
 
+TEST(GpuSelection, ChoosesAmongEqualNamesByUuid) {
+  std::vector<DeviceInfo> equal = {device(0, "Card", DeviceKind::Discrete),
+                                   device(1, "Card", DeviceKind::Discrete)};
+  equal[0].uuid = "00112233445566778899aabbccddeeff";
+  equal[1].uuid = "00112233445566778899aabbccddee00";
+  EXPECT_EQ(select_device(equal, "uuid:00112233445566778899aabbccddee00"), 1u);
+  EXPECT_EQ(select_device(equal, "UUID:00112233-4455-6677-8899-AABBCCDDEEFF"), 0u);
+  EXPECT_TRUE(contains(complaint(equal, "uuid:0011"), "no such device"));
+  EXPECT_TRUE(contains(complaint(equal, "uuid:"), "no such device"));
+  EXPECT_TRUE(contains(complaint(equal, "card"), "uuid"));
+}
+
+TEST(GpuExtensions, AreThoseThatTheDeviceHas) {
+  const auto enabled = [](const std::vector<std::string>& has, bool statistics, bool ray_queries) {
+    const std::vector<const char*> names = extensions_to_enable(has, statistics, ray_queries);
+    return std::vector<std::string>(names.begin(), names.end());
+  };
+  using Names = std::vector<std::string>;
+  EXPECT_EQ(enabled({}, true, false), Names());
+  // A layered driver refuses to be opened without.
+  EXPECT_EQ(enabled({"VK_KHR_x", "VK_KHR_portability_subset"}, false, false),
+            Names{"VK_KHR_portability_subset"});
+  const Names all = {"VK_EXT_memory_budget", "VK_KHR_pipeline_executable_properties", "VK_KHR_ray_query",
+                     "VK_KHR_acceleration_structure", "VK_KHR_deferred_host_operations"};
+  EXPECT_EQ(enabled(all, true, true), all);
+  EXPECT_EQ(enabled(all, false, false), Names{"VK_EXT_memory_budget"});
+}
+
 TEST(GpuSelection, UnusableDeviceIsRefusedWithWhatItLacks) {
   const std::string message = complaint(machine, "0");
   EXPECT_TRUE(contains(message, "scalarBlockLayout, limit maxFoo is 1, needs 2")) << message;
