@@ -1,35 +1,43 @@
-# regulus_shaders(TARGET SOURCES a.comp b.comp...): compiles each shader to SPIR-V with
+# regulus_shaders(TARGET SOURCES a.comp b.comp... [RAY_QUERY a...]): compiles each shader to SPIR-V with
 # glslang and embeds it in the static library TARGET, where
 #   std::span<const uint32_t> NAMESPACE::spirv(std::string_view name)
 # finds it by file name without extension. Each shader is compiled twice: with
-# REGULUS_INT64=1 (64-bit loads; needs shaderInt64) and, as `name.int32`, without.
+# REGULUS_INT64=1 (64-bit loads; needs shaderInt64) and, as `name.int32`, without. Those that RAY_QUERY
+# names, without extension, once more as `name.rays`: with REGULUS_RAY_QUERY, without 64-bit integers.
 function(regulus_shaders target)
-  cmake_parse_arguments(ARG "" "NAMESPACE" "SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAMESPACE" "SOURCES;RAY_QUERY" ${ARGN})
   set(includes "")
   set(rows "")
   set(headers "")
   foreach(source ${ARG_SOURCES})
     get_filename_component(path ${source} ABSOLUTE)
     get_filename_component(name ${source} NAME_WE)
-    foreach(int64 0 1)
-      set(symbol ${name}_int${int64})
+    set(variants int64 int32)
+    if(name IN_LIST ARG_RAY_QUERY)
+      list(APPEND variants rays)
+    endif()
+    set(defines_int64 -DREGULUS_INT64=1)
+    set(defines_int32 -DREGULUS_INT64=0)
+    set(defines_rays -DREGULUS_INT64=0 -DREGULUS_RAY_QUERY)
+    foreach(variant ${variants})
+      set(symbol ${name}_${variant})
       set(header ${CMAKE_CURRENT_BINARY_DIR}/${target}/${symbol}.h)
       add_custom_command(
         OUTPUT ${header}
         COMMAND ${CMAKE_COMMAND} -E make_directory ${CMAKE_CURRENT_BINARY_DIR}/${target}
         COMMAND ${CMAKE_SOURCE_DIR}/cmake/limited ${Vulkan_GLSLANG_VALIDATOR_EXECUTABLE} --quiet --target-env vulkan1.2 -S comp
-                -I${CMAKE_SOURCE_DIR}/shaders -DREGULUS_INT64=${int64}
+                -I${CMAKE_SOURCE_DIR}/shaders ${defines_${variant}}
                 --depfile ${header}.d --vn ${symbol} -o ${header} ${path}
         DEPENDS ${path} ${CMAKE_SOURCE_DIR}/cmake/limited
         DEPFILE ${header}.d
-        COMMENT "glslang ${name} (int64=${int64})"
+        COMMENT "glslang ${name} (${variant})"
         VERBATIM)
       list(APPEND headers ${header})
       string(APPEND includes "#include \"${symbol}.h\"\n")
-      if(int64)
+      if(variant STREQUAL int64)
         string(APPEND rows "    {\"${name}\", ${symbol}},\n")
       else()
-        string(APPEND rows "    {\"${name}.int32\", ${symbol}},\n")
+        string(APPEND rows "    {\"${name}.${variant}\", ${symbol}},\n")
       endif()
     endforeach()
   endforeach()

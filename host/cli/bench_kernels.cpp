@@ -21,6 +21,7 @@
 #include "cli/validators.hpp"
 #include "gpu/gpu.hpp"
 #include "interface/wavefront.h"
+#include "render/scene_structure.hpp"
 
 namespace regulus::bench_shaders {
 std::span<const uint32_t> spirv(std::string_view name);
@@ -34,7 +35,7 @@ constexpr uint32_t FILM_WIDTH = 512;
 constexpr uint32_t FILM_HEIGHT = 256;
 
 struct Measurement {
-  std::string scene, rays, query;
+  std::string scene, rays, query, by;  ///< by: software, the traversal kernels, or hardware
   double mrays_per_s = 0, embree_mrays_per_s = 0;
   double ratio() const { return mrays_per_s / embree_mrays_per_s; }
 };
@@ -57,12 +58,16 @@ double rate_of(const Work& work) {
   return runs / seconds;
 }
 
-/// Both query kernels on a device.
+/// Both query kernels on a device: by traversal, or by the device's own queries.
 class QueryKernels {
  public:
-  explicit QueryKernels(gpu::Device& device)
-      : device_(device), closest_(create("bench_closest")), any_(create("bench_any")) {}
+  QueryKernels(gpu::Device& device, bool is_hardware)
+      : is_hardware(is_hardware),
+        device_(device),
+        closest_(create("bench_closest")),
+        any_(create("bench_any")) {}
 
+  const bool is_hardware;
   const gpu::Kernel& closest() const { return closest_; }
   const gpu::Kernel& any() const { return any_; }
 
@@ -76,8 +81,8 @@ class QueryKernels {
 
  private:
   gpu::Kernel create(const std::string& name) {
-    const std::string variant = device_.info().has_int64 ? name : name + ".int32";
-    return device_.create_kernel({name, bench_shaders::spirv(variant), {}});
+    const char* variant = is_hardware ? ".rays" : device_.info().has_int64 ? "" : ".int32";
+    return device_.create_kernel({name, bench_shaders::spirv(name + variant), {}});
   }
 
   gpu::Device& device_;
@@ -87,11 +92,13 @@ class QueryKernels {
 /// A scene on the device and in Embree.
 class SceneBench {
  public:
-  SceneBench(gpu::Device& device, QueryKernels& kernels, const BenchScene& scene, uint32_t repeats)
+  SceneBench(gpu::Device& device, std::vector<std::unique_ptr<QueryKernels>>& kernels,
+             const BenchScene& scene, uint32_t repeats)
       : device_(device), kernels_(kernels), name_(scene.name), repeats_(repeats), embree_(scene.triangles) {
     const bvh::Bvh bvh = bvh::build(scene.triangles);
     nodes_ = gpu::upload_new(device, bvh.nodes, "bvh nodes");
     triangles_ = gpu::upload_new(device, bvh.triangles, "bvh triangles");
+    if (device.info().has_ray_query) structure_ = render::TriangleStructure(device, bvh.triangles);
     overruns_ = device.create_buffer(sizeof(uint32_t), "overruns");
     rays_ = make_bench_rays(scene, embree_, FILM_WIDTH, FILM_HEIGHT);
   }
@@ -102,8 +109,8 @@ class SceneBench {
         {"primary", &rays_.primary}, {"diffuse", &rays_.diffuse}, {"shadow", &rays_.shadow}};
     for (const auto& [kind, rays] : kinds) {
       if (rays->empty()) throw Error(ErrorCode::BadFile, fmt::format("{}: its camera sees nothing", name_));
-      results.push_back(measure(kind, *rays, false));
-      results.push_back(measure(kind, *rays, true));
+      for (const bool is_any : {false, true})
+        for (const auto& kernels : kernels_) results.push_back(measure(*kernels, kind, *rays, is_any));
     }
     const uint32_t overruns = gpu::download_all<uint32_t>(device_, overruns_, 1)[0];
     if (overruns > 0)
@@ -113,22 +120,21 @@ class SceneBench {
 
  private:
   /// Device and Embree in turns, after one run of each to warm up.
-  Measurement measure(const std::string& kind, const std::vector<interface::BenchRay>& rays, bool is_any) {
-    const auto address = [](const gpu::Buffer& buffer) {
-      return interface::device_address(buffer.address());
-    };
+  Measurement measure(QueryKernels& kernels, const std::string& kind,
+                      const std::vector<interface::BenchRay>& rays, bool is_any) {
+    const auto address = [](const auto& memory) { return interface::device_address(memory.address()); };
     const gpu::Buffer ray_buffer = gpu::upload_new(device_, rays, "rays");
     const gpu::Buffer results = device_.create_buffer(rays.size() * sizeof(interface::Hit), "results");
     const interface::BenchArguments arguments {
-      address(nodes_), address(triangles_), address(ray_buffer), address(results), address(overruns_),
-          static_cast<uint32_t>(rays.size())
+      kernels.is_hardware ? address(structure_) : address(nodes_), address(triangles_), address(ray_buffer),
+          address(results), address(overruns_), static_cast<uint32_t>(rays.size())
     };
     std::vector<interface::Hit> hits(rays.size());
     std::vector<uint32_t> is_hit(rays.size());
     const auto trace_embree = [&] {
       is_any ? embree_.trace_any(rays, is_hit) : embree_.trace_closest(rays, hits);
     };
-    const auto trace_device = [&] { kernels_.run(is_any ? kernels_.any() : kernels_.closest(), arguments); };
+    const auto trace_device = [&] { kernels.run(is_any ? kernels.any() : kernels.closest(), arguments); };
 
     trace_embree();
     trace_device();
@@ -138,21 +144,26 @@ class SceneBench {
       device_rates.push_back(rate_of(trace_device));
     }
     const double millions = 1e-6 * static_cast<double>(rays.size());
-    return {name_, kind, is_any ? "any" : "closest", millions * median(device_rates),
+    return {name_,
+            kind,
+            is_any ? "any" : "closest",
+            kernels.is_hardware ? "hardware" : "software",
+            millions * median(device_rates),
             millions * median(embree_rates)};
   }
 
   gpu::Device& device_;
-  QueryKernels& kernels_;
+  std::vector<std::unique_ptr<QueryKernels>>& kernels_;
   std::string name_;
   uint32_t repeats_;
   EmbreeScene embree_;
   gpu::Buffer nodes_, triangles_, overruns_;
+  render::TriangleStructure structure_;  // of a device with ray queries
   BenchRays rays_;
 };
 
 void print_row(const Measurement& m) {
-  say("{:<20} {:<8} {:<8} {:>8.3f} {:>8.3f} {:>6.2f}\n", m.scene, m.rays, m.query, m.mrays_per_s,
+  say("{:<20} {:<8} {:<8} {:<8} {:>8.3f} {:>8.3f} {:>6.2f}\n", m.scene, m.rays, m.query, m.by, m.mrays_per_s,
       m.embree_mrays_per_s, m.ratio());
   flush_stdout();
 }
@@ -163,6 +174,7 @@ std::string json_of(const std::vector<Measurement>& measurements) {
     array.push_back({{"scene", m.scene},
                      {"rays", m.rays},
                      {"query", m.query},
+                     {"by", m.by},
                      {"mrays_per_s", m.mrays_per_s},
                      {"embree_mrays_per_s", m.embree_mrays_per_s},
                      {"ratio", m.ratio()}});
@@ -179,12 +191,15 @@ int run_bench_kernels(const BenchKernelsOptions& options) {
   gpu::DeviceOptions device_options;
   device_options.select = options.device;
   gpu::Device device(device_options);
-  QueryKernels kernels(device);
+  std::vector<std::unique_ptr<QueryKernels>> kernels;
+  for (const bool is_hardware : {false, true})
+    if (!is_hardware || device.info().has_ray_query)
+      kernels.push_back(std::make_unique<QueryKernels>(device, is_hardware));
   std::vector<BenchScene> scenes = procedural_bench_scenes();
   for (const std::filesystem::path& path : options.scenes) scenes.push_back(load_bench_scene(path));
 
-  say("device: {}\n{:<20} {:<8} {:<8} {:>8} {:>8} {:>6}   (million rays per second)\n", device.info().name,
-      "scene", "rays", "query", "device", "Embree", "ratio");
+  say("device: {}\n{:<20} {:<8} {:<8} {:<8} {:>8} {:>8} {:>6}   (million rays per second)\n",
+      device.info().name, "scene", "rays", "query", "by", "device", "Embree", "ratio");
   std::vector<Measurement> measurements;
   for (const BenchScene& scene : scenes) {
     for (const Measurement& measurement : SceneBench(device, kernels, scene, options.repeats).run()) {
@@ -201,13 +216,14 @@ int run_bench_kernels(const BenchKernelsOptions& options) {
 void add_bench_command(CLI::App& app) {
   CLI::App* bench = app.add_subcommand("bench", "Measure speed and error");
   bench->require_subcommand(1);
-  CLI::App* kernels =
-      bench->add_subcommand("kernels", "Rays per second of the traversal kernels, beside Embree");
+  CLI::App* kernels = bench->add_subcommand(
+      "kernels",
+      "Rays per second of the traversal kernels, and of the device's own ray queries, beside Embree");
   const auto options = std::make_shared<BenchKernelsOptions>();
   kernels->add_option("SCENE", options->scenes, "glTF files to measure besides the procedural scenes")
       ->type_name("FILE");
   kernels->add_option("--json", options->json, "Write the results as a JSON array")->type_name("FILE");
-  kernels->add_option("--device", options->device, "Index or part of the name of the Vulkan device")
+  kernels->add_option("--device", options->device, "Index, uuid:... or part of the name of the Vulkan device")
       ->type_name("DEVICE");
   kernels->add_option("--repeats", options->repeats, "Measurements of each query; their median counts")
       ->type_name("N")

@@ -294,7 +294,7 @@ void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
 void declare_device(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--device", options.device,
-                  "Vulkan device by index or part of its name (see regulus devices)")
+                  "Vulkan device by index, uuid:... or part of its name (see regulus devices)")
       ->type_name("DEVICE");
   command
       .add_option("--backend", options.backend,
@@ -306,8 +306,10 @@ void declare_device(CLI::App& command, RenderOptions& options) {
   add_memory_option(command, options.memory_bytes);
   add_setting(
       command, options, "--rays",
-      "Who traces rays: kernels (software), Embree in the memory of a software device (host), or auto, "
-      "which is host where device and scene allow (up to two million triangles)")
+      "Who traces rays: the device's own ray queries (hardware), kernels (software), Embree in the memory of "
+      "a "
+      "software device (host), or auto: of software devices host, of others hardware, where device and scene "
+      "allow, else software")
       ->type_name(listed(names::RAYS))
       ->default_str("auto");
   add_setting(command, options, "--wave",

@@ -68,12 +68,13 @@ const scene::Scene& require_memory(const gpu::Device& device, const PreparedScen
 
 }  // namespace
 
-DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, const Plan& plan)
-    : DeviceScene(device, prepared, require_memory(device, prepared), plan) {}
+DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, const Plan& plan, uint32_t rays)
+    : DeviceScene(device, prepared, require_memory(device, prepared), plan, rays) {}
 
 DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, const scene::Scene& scene,
-                         const Plan& plan)
-    : bvh_nodes_(gpu::upload_new(device, prepared.bvh.nodes, "bvh nodes")),
+                         const Plan& plan, uint32_t rays)
+    : bvh_nodes_(rays == interface::RAYS_HARDWARE ? gpu::Buffer()
+                                                  : gpu::upload_new(device, prepared.bvh.nodes, "bvh nodes")),
       bvh_triangles_(gpu::upload_new(device, prepared.bvh.triangles, "bvh triangles")),
       vertices_(gpu::upload_new(device, scene.vertices, "vertices")),
       vertex_colors_(gpu::upload_new(device, scene.vertex_colors, "vertex colours")),
@@ -110,6 +111,8 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
   std::vector<interface::Texture> textures = scene.textures;
   images_ = upload_images(device, scene.images, device.info().max_allocation_bytes, textures);
   textures_ = gpu::upload_new(device, textures, "textures");
+  if (rays == interface::RAYS_HARDWARE)
+    structure_ = std::make_unique<SceneStructure>(device, prepared, vertices_);
 }
 
 void DeviceScene::fill(interface::Frame& frame) const {
@@ -144,6 +147,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.light_count = light_count_;
   frame.scene_center = center_;
   frame.scene_radius = radius_;
+  if (structure_) structure_->fill(frame);
 }
 
 }  // namespace regulus::render

@@ -1,13 +1,9 @@
 #include "render/host_rays.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <chrono>
-
-#include "base/error.hpp"
 
 namespace regulus::render {
 
@@ -17,13 +13,6 @@ namespace {
 
 constexpr uint32_t RAYS_AT_ONCE = 512;  // of a thread
 constexpr float ENDLESS = 3.4e38F;
-
-std::string why_not_on_host(const gpu::DeviceInfo& device, const Plan& plan) {
-  if (device.kind != gpu::DeviceKind::Software)
-    return fmt::format("device {} does not work in the host's memory", device.name);
-  const char* why_not = rays::SceneQuery::why_not(plan.features);
-  return why_not == nullptr ? "" : why_not;
-}
 
 template <typename T>
 T* contents(const gpu::Buffer& buffer) {
@@ -57,16 +46,6 @@ VisibilityCandidate& segment_of(SplatCandidate& candidate) {
 }
 
 }  // namespace
-
-uint32_t resolve_rays(const gpu::DeviceInfo& device, const PreparedScene& prepared, const Plan& plan) {
-  if (plan.rays == RAYS_SOFTWARE) return RAYS_SOFTWARE;
-  if (plan.rays == RAYS_AUTO && prepared.scene.triangles.size() > MOST_AUTO_TRIANGLES) return RAYS_SOFTWARE;
-  const std::string why_not = why_not_on_host(device, plan);
-  if (why_not.empty()) return RAYS_HOST;
-  if (plan.rays == RAYS_HOST)
-    throw Error(ErrorCode::BadUsage, fmt::format("--rays host: {}; use --rays software", why_not));
-  return RAYS_SOFTWARE;
-}
 
 HostRays::HostRays(const PreparedScene& prepared, const Plan& plan, const WavefrontBuffers& buffers,
                    RenderStatistics& statistics)

@@ -16,14 +16,6 @@
 
 namespace regulus::render {
 
-/// The second tree of a larger scene would take so much time and memory that only long renders gain by it.
-inline constexpr size_t MOST_AUTO_TRIANGLES = 2'000'000;
-
-/// RAYS_SOFTWARE or RAYS_HOST as the plan asks for it; RAYS_AUTO is the host's where device and scene allow
-/// and the scene has at most MOST_AUTO_TRIANGLES.
-/// @throws regulus::Error (BadUsage) if the host is asked for and cannot, with the reason
-uint32_t resolve_rays(const gpu::DeviceInfo& device, const PreparedScene& prepared, const Plan& plan);
-
 class HostRays {
  public:
   /// All must outlive the object. Precondition: resolve_rays() says RAYS_HOST.

@@ -39,8 +39,8 @@ inline constexpr std::array<Name, 4> LIGHT_SAMPLING = {{{"auto", LIGHT_SAMPLING_
                                                         {"bvh", LIGHT_SAMPLING_BVH},
                                                         {"power", LIGHT_SAMPLING_POWER},
                                                         {"uniform", LIGHT_SAMPLING_UNIFORM}}};
-inline constexpr std::array<Name, 3> RAYS = {
-    {{"auto", RAYS_AUTO}, {"software", RAYS_SOFTWARE}, {"host", RAYS_HOST}}};
+inline constexpr std::array<Name, 4> RAYS = {
+    {{"auto", RAYS_AUTO}, {"hardware", RAYS_HARDWARE}, {"software", RAYS_SOFTWARE}, {"host", RAYS_HOST}}};
 /// Kinds of regularization, without the modes that may be added: REGULARIZATION_CONSISTENT, _DIFFUSION.
 inline constexpr std::array<Name, 4> REGULARIZATION = {
     {{"none", REGULARIZATION_NONE},

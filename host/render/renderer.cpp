@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "render/film_store.hpp"
-#include "render/host_rays.hpp"
 #include "render/iteration.hpp"
+#include "render/rays_choice.hpp"
 #include "render/surface_passes.hpp"
 #include "render/wave_scheduler.hpp"
 #include "render/wavefront.hpp"

@@ -64,7 +64,7 @@ struct CommonSettings {
   bool has_strategy_images = false;  ///< keeps images of each strategy (render/strategies.hpp)
   bool keeps_doublings = false;  ///< film() is brought up to date whenever the number of paths has doubled
   uint32_t wave_paths = 0;       ///< path slots per wave; 0: chosen for the device. Never changes the image
-  uint32_t rays = interface::RAYS_SOFTWARE;  ///< RAYS_*: who traces them (render/host_rays.hpp)
+  uint32_t rays = interface::RAYS_SOFTWARE;  ///< RAYS_*: who traces them (render/rays_choice.hpp)
 
   /// The pixels that are rendered.
   Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }

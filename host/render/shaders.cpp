@@ -16,14 +16,32 @@ constexpr std::array<std::string_view, STAGE_COUNT> FILES = {
     "square_samples", "start_media",   "surface_aovs",    "surface_footprints",
     "trace_closest",  "trace_splats",  "trace_visibility"};
 
+// As shaders/CMakeLists.txt lists them.
+bool traces_rays(Stage stage) {
+  switch (stage) {
+    case Stage::StartMedia:
+    case Stage::SurfaceAovs:
+    case Stage::SurfaceFootprints:
+    case Stage::TraceClosest:
+    case Stage::TraceSplats:
+    case Stage::TraceVisibility:
+      return true;
+    default:
+      return false;
+  }
+}
+
 }  // namespace
 
 std::string_view file_of(Stage stage) {
   return FILES[static_cast<size_t>(stage)];
 }
 
-std::span<const uint32_t> stage_spirv(const gpu::Device& device, Stage stage) {
-  return shaders::spirv(std::string(file_of(stage)) + (device.info().has_int64 ? "" : ".int32"));
+std::span<const uint32_t> stage_spirv(const gpu::Device& device, Stage stage, uint32_t rays) {
+  const char* variant = rays == interface::RAYS_HARDWARE && traces_rays(stage) ? ".rays"
+                        : device.info().has_int64                              ? ""
+                                                                               : ".int32";
+  return shaders::spirv(std::string(file_of(stage)) + variant);
 }
 
 }  // namespace regulus::render

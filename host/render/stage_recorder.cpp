@@ -6,6 +6,7 @@
 
 #include "render/film.hpp"
 #include "render/iteration.hpp"
+#include "render/rays_choice.hpp"
 #include "render/wave_scheduler.hpp"
 #include "render/wavefront.hpp"
 
@@ -286,6 +287,11 @@ class ConnectionObserver : public StageObserver {
   std::vector<glm::dvec3> film_before_;
 };
 
+// It is kernels that are recorded, whoever is to trace the rays of pictures.
+uint32_t rays_of_kernels(const gpu::Device& device, const PreparedScene& prepared, const Plan& plan) {
+  return plan.rays == RAYS_HARDWARE ? resolve_rays(device.info(), prepared, plan) : RAYS_SOFTWARE;
+}
+
 // A wave holds all paths of a recording.
 Plan in_one_wave(Plan plan, uint32_t paths) {
   plan.wave_paths = paths;
@@ -306,7 +312,7 @@ struct StageRecorder::Impl {
   Impl(gpu::Device& device, const PreparedScene& prepared, const Plan& plan_in, uint32_t paths_in)
       : plan(in_one_wave(plan_in, paths_in)),
         paths(paths_in),
-        wavefront(device, prepared, plan, RAYS_SOFTWARE, statistics),
+        wavefront(device, prepared, plan, rays_of_kernels(device, prepared, plan), statistics),
         scheduler(wavefront, [] { return true; }),
         iteration(wavefront, scheduler),
         memory(wavefront, paths) {

@@ -31,7 +31,7 @@ std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, 
     with_kernel.push_back(pipeline.size() - 1);
     descriptions.push_back(
         {step.name,
-         stage_spirv(device, step.stage),
+         stage_spirv(device, step.stage, rays),
          {{SPEC_NDF, plan.ndf},
           {SPEC_SHADOWING, plan.shadowing},
           {SPEC_MATERIAL_CLASS, material_class},

@@ -119,7 +119,7 @@ struct PipelineStep {
 bool is_needed(const StageStep& step, const Plan& plan);
 
 /// Compiles the steps of STAGES that are needed, except scans (render/scan.hpp). `rays`: RAYS_SOFTWARE,
-/// RAYS_HOST.
+/// RAYS_HOST or RAYS_HARDWARE.
 std::vector<PipelineStep> build_pipeline(gpu::Device& device, const Plan& plan, uint32_t rays);
 
 /// Records a dispatch of a step over its queue of the bounce, with the exact count that `queue_heads` hold.

@@ -22,7 +22,7 @@ Wavefront::Wavefront(gpu::Device& device_in, const PreparedScene& prepared, cons
       plan(plan_in),
       statistics(statistics_in),
       pixels(plan.window().pixels()),
-      scene(device, prepared, plan),
+      scene(device, prepared, plan, rays_by),
       capacity(choose_capacity(device.info(), device.free_bytes(), plan,
                                std::max<uint64_t>(pixels * plan.samples, plan.light_paths))),
       buffers(device, scene,

@@ -21,7 +21,7 @@
 namespace regulus::render {
 
 struct Wavefront {
-  /// Uploads the scene and builds the kernels, with rays traced by `rays_by`: RAYS_SOFTWARE or RAYS_HOST.
+  /// Uploads the scene and builds the kernels, with rays traced by `rays_by`, see resolve_rays().
   /// `device`, `plan` and `statistics` must outlive the object, `prepared` if the host traces rays.
   /// @throws regulus::Error if memory or the device's limits do not suffice
   Wavefront(gpu::Device& device, const PreparedScene& prepared, const Plan& plan, uint32_t rays_by,

@@ -54,6 +54,10 @@ struct Hit {
 };
 REGULUS_LAYOUT(Hit, 16);
 
+// What the device's own structure (RAYS_HARDWARE) calls the triangles that stand for themselves, and from where on copies.
+REGULUS_CONSTANT HARDWARE_PLACED = 0u;
+REGULUS_CONSTANT HARDWARE_FIRST_COPY = 1u;
+
 REGULUS_INTERFACE_END
 
 #endif

@@ -10,7 +10,7 @@ REGULUS_INTERFACE_BEGIN
 
 // Addresses and parameters of a render; 0 where it does not have something. Read through the push constant `frame`.
 struct Frame {
-  DeviceAddress bvh_nodes;
+  DeviceAddress bvh_nodes;       // with RAYS_HARDWARE the device's own structure in their place
   DeviceAddress bvh_triangles;
   DeviceAddress vertices;
   DeviceAddress vertex_colors;   // vec4 per vertex, linear RGBA; only with FEATURE_VERTEX_COLORS
@@ -63,8 +63,12 @@ struct Frame {
   uint vertex_uv_sets;
   uint camera_media;           // with FEATURE_CONTACTS: index of the MediaSet where camera rays start, or MEDIA_VARY
   uint lens_medium;            // with FEATURE_CONTACTS: material of the medium from the lens to the near plane, or INVALID_INDEX
+  // Only with RAYS_HARDWARE: which stored triangles the device's structure holds beside those of copies.
+  DeviceAddress placed_triangles;    // with FEATURE_ALPHA: the index of each, first of those without holes
+  uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
+  uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 740);
+REGULUS_LAYOUT(Frame, 756);
 
 // Push constants of every stage.
 struct StageArguments {

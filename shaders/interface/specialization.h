@@ -32,6 +32,7 @@ REGULUS_CONSTANT SPEC_RAYS = 20u;             // RAYS_*: who has traced the segm
 REGULUS_CONSTANT RAYS_SOFTWARE = 0u;  // kernels (lib/traversal.glsl)
 REGULUS_CONSTANT RAYS_HOST = 1u;      // host code, in the memory of a software device; blocked segments get a negative t_max
 REGULUS_CONSTANT RAYS_AUTO = 2u;      // decided before kernels are built: no kernel sees it
+REGULUS_CONSTANT RAYS_HARDWARE = 3u;  // the device's own queries (lib/hardware_query.glsl), in kernels of their own
 
 // How next-event estimation chooses a light. Light paths always start by power.
 REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;

@@ -19,7 +19,14 @@ bool is_covered(uint tag, uint triangle_number, vec2 barycentrics, vec3 origin, 
   return unit_interval(bits).x < coverage;
 }
 
+// Index of a stored triangle that stands for itself, by its place in the device's own structure.
+uint placed_triangle_index(uint geometry, uint primitive) {
+  if ((spec_features & FEATURE_ALPHA) == 0u) return FRAME.first_placed_triangle + primitive;
+  return LOAD(WordBuffer, FRAME.placed_triangles, (geometry == 0u ? 0u : FRAME.whole_placed_triangles) + primitive);
+}
+
 #define TRAVERSAL_IS_COVERED is_covered
+#define TRAVERSAL_PLACED_TRIANGLE placed_triangle_index
 #define TRAVERSAL_HAS_INSTANCES has_instances()
 #define TRAVERSAL_INSTANCE(index) LOAD(InstanceBuffer, FRAME.instances, index)
 

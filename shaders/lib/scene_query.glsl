@@ -1,6 +1,7 @@
 // What rays meet in the scene: `closest` and `is_open` are the only ways in which light transport asks. Behind them are
 // surfaces with holes, meshes stored once for several copies, solids that touch, clipping planes, and who traces the rays
-// (kernels, or the host before the stage: host/rays/scene_query.hpp). lib/traversal.glsl cannot be included without this.
+// (kernels; with REGULUS_RAY_QUERY the device's own queries: lib/hardware_query.glsl; or the host before the stage:
+// host/rays/scene_query.hpp). lib/traversal.glsl cannot be included without this.
 #ifndef REGULUS_LIB_SCENE_QUERY_GLSL
 #define REGULUS_LIB_SCENE_QUERY_GLSL
 

@@ -18,13 +18,15 @@
 #include "interface/wavefront.h"
 #include "lib/placement.glsl"
 
-// Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction), and the instance
-// of an index. lib/alpha.glsl defines these. In a bare tree, which is no scene, all surfaces are whole and stored in place.
+// Whether a ray that meets a triangle meets its surface: (tag, triangle, barycentrics, origin, direction), the instance of an
+// index, and the stored triangle that the device's own structure calls (geometry, primitive). lib/alpha.glsl defines these. In
+// a bare tree, which is no scene, all surfaces are whole and stored in place.
 #ifndef TRAVERSAL_IS_COVERED
 #ifndef TRAVERSAL_OF_A_BARE_TREE
 #error "rays of a scene are traced through lib/scene_query.glsl, which knows where its surfaces have holes"
 #endif
 #define TRAVERSAL_IS_COVERED(tag, triangle, barycentrics, origin, direction) true
+#define TRAVERSAL_PLACED_TRIANGLE(geometry, primitive) (primitive)
 #define TRAVERSAL_HAS_INSTANCES false
 #define TRAVERSAL_INSTANCE(index) Instance(vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), vec3(0.0), \
                                            vec3(0.0), 0u, 0u, 0u, 0u, 0u)
@@ -217,6 +219,16 @@ struct TraversalVisit {
   uint rest;
 };
 
+// Sets what concerns the triangles of an instance.
+void traversal_place_triangles(Instance instance, inout TraversalRay ray) {
+  ray.number_offset = instance.first_number - instance.first_triangle;
+  ray.is_mirrored = instance.is_mirrored != 0u;
+  ray.x_axis = instance.x_axis;
+  ray.y_axis = instance.y_axis;
+  ray.z_axis = instance.z_axis;
+  ray.translation = instance.translation;
+}
+
 // Sets the ray up for an instance's tree above the given height of the stack and returns the tree's root.
 uint traversal_enter(Instance instance, vec3 origin, vec3 direction, uint stack_size, inout TraversalRay ray) {
   vec3 from = origin - instance.translation;
@@ -228,12 +240,7 @@ uint traversal_enter(Instance instance, vec3 origin, vec3 direction, uint stack_
                     dot(abs(instance.inverse_z), size));
   ray.slack = (TRAVERSAL_INSTANCE_ERROR * error) * abs(ray.inverse_direction);
   ray.instance_floor = stack_size;
-  ray.number_offset = instance.first_number - instance.first_triangle;
-  ray.is_mirrored = instance.is_mirrored != 0u;
-  ray.x_axis = instance.x_axis;
-  ray.y_axis = instance.y_axis;
-  ray.z_axis = instance.z_axis;
-  ray.translation = instance.translation;
+  traversal_place_triangles(instance, ray);
   return instance.root;
 }
 
@@ -369,6 +376,23 @@ float traversal_plane_distance(DeviceAddress triangles, uint index, TraversalRay
   return abs(slope) > 0.0 ? dot(normal, v0 - origin) / slope : t;
 }
 
+// Among contacts: gives a hit the distance of the triangle's plane, says in the tag which face was met, and returns the key
+// (TRAVERSAL_CONTACT_KEY) and order by which it comes before others.
+vec2 traversal_rank(DeviceAddress triangles, uint index, TraversalRay ray, vec3 normal, vec3 origin, vec3 direction,
+                    inout float t, inout uint tag, out uint order) {
+  t = traversal_plane_distance(triangles, index, ray, normal, origin, direction, t);
+  float cosine = dot(normal, direction) * inversesqrt(max(dot(normal, normal), 1e-37));
+  vec2 key = TRAVERSAL_CONTACT_KEY(tag, index + ray.number_offset, t, cosine);
+  if (cosine < 0.0) tag |= TRIANGLE_TAG_FRONT;
+  order = TRAVERSAL_CONTACT_ORDER(tag, index + ray.number_offset, cosine);
+  return key;
+}
+
+// Whether a hit of that rank counts and comes before the best so far.
+bool traversal_is_first(vec2 key, uint order, float best, uint best_order) {
+  return key.x < TRAVERSAL_NEVER && (key.x < best - key.y || (key.x <= best + key.y && order < best_order));
+}
+
 #define TRAVERSAL_STACK(level) traversal_stack[(level) * WORKGROUP_SIZE + gl_LocalInvocationIndex]
 
 uint traversal_child(DeviceAddress nodes, uint node, uint slot) {
@@ -469,13 +493,8 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
         vec2 key = vec2(tuv.x, 0.0);
         uint order = 0u;
         if (TRAVERSAL_HAS_CONTACTS) {
-          tuv.x = traversal_plane_distance(triangles, i, ray, normal, origin, direction, tuv.x);
-          float cosine = dot(normal, direction) * inversesqrt(max(dot(normal, normal), 1e-37));
-          key = TRAVERSAL_CONTACT_KEY(hit_tag, i + ray.number_offset, tuv.x, cosine);
-          if (cosine < 0.0) hit_tag |= TRIANGLE_TAG_FRONT;
-          order = TRAVERSAL_CONTACT_ORDER(hit_tag, i + ray.number_offset, cosine);
-          bool is_first = key.x < best - key.y || (key.x <= best + key.y && order < best_order);
-          is_met = is_met && key.x < TRAVERSAL_NEVER && is_first;
+          key = traversal_rank(triangles, i, ray, normal, origin, direction, tuv.x, hit_tag, order);
+          is_met = is_met && traversal_is_first(key, order, best, best_order);
         }
         if (is_met && TRAVERSAL_IS_COVERED(hit_tag, i + ray.number_offset, tuv.yz, origin, direction)) {
           hit = Hit(tuv.x, tuv.y, tuv.z, i + ray.number_offset);
@@ -507,17 +526,25 @@ Hit traversal_run(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec
   return hit;
 }
 
+#ifdef REGULUS_RAY_QUERY
+// The device's own queries take the place of the traversal above, and their structure that of the nodes.
+#include "lib/hardware_query.glsl"
+#define TRAVERSAL_RUN hardware_run
+#else
+#define TRAVERSAL_RUN traversal_run
+#endif
+
 // The first hit with t in (0, t_max] along origin + t * direction, its triangle's number and tag. On a miss the
 // triangle is INVALID_INDEX. A ray that is not finite or has no direction misses.
 Hit trace_closest(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max,
                   out uint tag) {
-  return traversal_run(nodes, triangles, origin, direction, t_max, false, tag);
+  return TRAVERSAL_RUN(nodes, triangles, origin, direction, t_max, false, tag);
 }
 
 // Whether anything is hit with t in (0, t_max].
 bool trace_any(DeviceAddress nodes, DeviceAddress triangles, vec3 origin, vec3 direction, float t_max) {
   uint tag;
-  return traversal_run(nodes, triangles, origin, direction, t_max, true, tag).triangle != INVALID_INDEX;
+  return TRAVERSAL_RUN(nodes, triangles, origin, direction, t_max, true, tag).triangle != INVALID_INDEX;
 }
 
 #endif

@@ -344,6 +344,28 @@ TEST_F(RenderParts, RaysAreThoseOfTheRecord) {
       {"state.exr", "rays is software and host"});
 }
 
+// Rays of the device's own queries likewise; where there are none they are refused.
+TEST_F(RenderParts, HardwareRaysAreThoseOfTheRecord) {
+  if (!device()->info().has_ray_query) {
+    expect_error(run(command("x.exr", {"-s", "1", "--rays", "hardware"})), 2,
+                 {"--rays hardware", "lacks VK_KHR_ray_query", "--rays software"});
+    return;
+  }
+  const auto rays_in = [&](const std::string& name) { return contents(name).attributes.at("regulus:rays"); };
+  render("a.exr", {"--samples", "0:1", "--rays", "hardware", "--checkpoint", file("state.exr")});
+  render("b.exr", {"--samples", "1:1", "--rays", "hardware"});
+  render("kernels.exr", {"--samples", "1:1", "--rays", "software"});
+  EXPECT_EQ(rays_in("a.exr"), "hardware");
+  EXPECT_EQ(run({"merge", file("sum.exr"), file("a.exr"), file("b.exr")}).status, 0);
+  expect_error(run({"merge", file("sum2.exr"), file("a.exr"), file("kernels.exr")}), 3,
+               {"rays is hardware and software"});
+  render("x.exr", {"-s", "2", "--checkpoint", file("state.exr"), "--resume", "--rays", "auto"});
+  EXPECT_EQ(rays_in("x.exr"), "hardware");
+  render("whole.exr", {"-s", "2", "--rays", "hardware"});
+  EXPECT_TRUE(contents("x.exr").channels == contents("whole.exr").channels);
+  EXPECT_TRUE(contents("sum.exr").channels == contents("whole.exr").channels);
+}
+
 // The folder of the checkpoint goes away, or there never is room: the render warns, goes on, and is written.
 TEST_F(RenderParts, ACheckpointThatCannotBeWrittenIsAWarning) {
   Arguments arguments = command("x.exr", {"-s", "2", "--checkpoint", "/dev/full", "--resume"});

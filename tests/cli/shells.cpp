@@ -150,7 +150,7 @@ TEST_F(Shells, OfferWhatFits) {
   EXPECT_EQ(offered({"rend"}), "render\n");
   EXPECT_EQ(offered({"render", "--rays", "h"}), "host\n");
   EXPECT_EQ(offered({"render", "--rays", "=", "h"}), "host\n");
-  EXPECT_EQ(offered({"render", "--rays", "="}), "auto\nsoftware\nhost\n");
+  EXPECT_EQ(offered({"render", "--rays", "="}), "auto\nhardware\nsoftware\nhost\n");
   EXPECT_EQ(offered({"render", "a"}), "a scene.gltf\n");
   EXPECT_EQ(offered({"render", "x.gltf", "--output", "a"}), "a scene.gltf\n");
   EXPECT_EQ(offered({"render", "--spp", ""}), "\n");

@@ -1,4 +1,4 @@
-// Pictures whose rays the host has traced, against those of the kernels.
+// Pictures whose rays the host, or the device's own queries, have traced, against those of the kernels.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,12 +18,18 @@ using namespace interface;
 constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE, LT = TECHNIQUE_SPLAT,
                    BPT = PT | LT | TECHNIQUE_CONNECT, VCM = BPT | TECHNIQUE_MERGE;
 
-class HostRays : public testing::Test {
+/// By who traces the rays: RAYS_HOST, RAYS_HARDWARE.
+class TracedBy : public testing::TestWithParam<uint32_t> {
  protected:
   void SetUp() override {
     REGULUS_SKIP_WITHOUT_DEVICE();
-    if (device()->info().kind != gpu::DeviceKind::Software) GTEST_SKIP() << "not a software device";
+    const gpu::DeviceInfo& info = device()->info();
+    if (GetParam() == RAYS_HOST && info.kind != gpu::DeviceKind::Software)
+      GTEST_SKIP() << "not a software device";
+    if (GetParam() == RAYS_HARDWARE && !info.has_ray_query) GTEST_SKIP() << "the device has no ray queries";
   }
+
+  static void expect_kernels_bits(const PreparedScene& scene, uint32_t techniques);
 };
 
 GltfScene ball_under_lamp() {
@@ -49,15 +55,15 @@ size_t differing_pixels(const render::Film& a, const render::Film& b) {
 }
 
 // Of some ten thousand rays one or none passes an edge so closely that the two find different triangles.
-void expect_kernels_bits(const PreparedScene& scene, uint32_t techniques) {
+void TracedBy::expect_kernels_bits(const PreparedScene& scene, uint32_t techniques) {
   render::RenderSettings settings = box_filtered(24, 24, is_slow_device() ? 1 : 2, 5);
   settings.techniques = techniques;
   settings.merge_radius = 0.1f;
   const Rendered expected = render(scene, settings);
-  settings.rays = RAYS_HOST;
+  settings.rays = GetParam();
   const Rendered found = render(scene, settings);
   EXPECT_EQ(expected.statistics.rays, RAYS_SOFTWARE);
-  EXPECT_EQ(found.statistics.rays, RAYS_HOST);
+  EXPECT_EQ(found.statistics.rays, GetParam());
   const uint64_t rays = expected.statistics.closest_rays() + expected.statistics.visibility_rays();
   const size_t different = differing_pixels(expected.film, found.film);
   std::printf("%llu rays, %zu of %zu pixels differ\n", static_cast<unsigned long long>(rays), different,
@@ -67,21 +73,21 @@ void expect_kernels_bits(const PreparedScene& scene, uint32_t techniques) {
   EXPECT_GT(*std::max_element(found.image.rgb.begin(), found.image.rgb.end()), 0.01f);
 }
 
-TEST_F(HostRays, PathTracingHasTheKernelsBits) {
+TEST_P(TracedBy, PathTracingHasTheKernelsBits) {
   expect_kernels_bits(prepare(ball_under_lamp()), PT);
 }
-TEST_F(HostRays, LightTracingHasTheKernelsBits) {
+TEST_P(TracedBy, LightTracingHasTheKernelsBits) {
   expect_kernels_bits(prepare(ball_under_lamp()), LT);
 }
-TEST_F(HostRays, BidirectionalPathsHaveTheKernelsBits) {
+TEST_P(TracedBy, BidirectionalPathsHaveTheKernelsBits) {
   expect_kernels_bits(prepare(ball_under_lamp()), BPT);
 }
-TEST_F(HostRays, MergingHasTheKernelsBits) {
+TEST_P(TracedBy, MergingHasTheKernelsBits) {
   expect_kernels_bits(prepare(ball_under_lamp()), VCM);
 }
 
 // Meshes stored once, mirrored ones among them, and surfaces with holes.
-TEST_F(HostRays, CopiesAndHolesHaveTheKernelsBits) {
+TEST_P(TracedBy, CopiesAndHolesHaveTheKernelsBits) {
   const PreparedScene scene = shared_copies(copies_scene());
   ASSERT_FALSE(scene.scene.instances.empty());
   ASSERT_NE(scene.features.bits & FEATURE_ALPHA, 0u);
@@ -89,25 +95,60 @@ TEST_F(HostRays, CopiesAndHolesHaveTheKernelsBits) {
 }
 
 // What the sky lights: rays that meet nothing are queued.
-TEST_F(HostRays, EscapedRaysHaveTheKernelsBits) {
+TEST_P(TracedBy, EscapedRaysHaveTheKernelsBits) {
   const image::Image sky{2, 1, {0.5f, 0.6f, 0.7f, 0.2f, 0.1f, 0.1f}};
   expect_kernels_bits(prepare(ball_under_lamp(), sky), PT);
 }
 
-// Surfaces that touch are the kernels' business: auto leaves them there, host is refused by name.
-TEST_F(HostRays, ScenesWithContactsStayOnTheKernels) {
+// Surfaces that touch: the host leaves them to the kernels, auto so, and is refused by name.
+TEST_P(TracedBy, ScenesWithContactsHaveTheKernelsBits) {
   const PreparedScene scene = prepare(lamp_in_block());
   ASSERT_NE(scene.features.bits & FEATURE_CONTACTS, 0u);
+  if (GetParam() == RAYS_HARDWARE) {
+    expect_kernels_bits(scene, LT);
+    expect_kernels_bits(prepare(overlapping_lamps()), PT);
+    return;
+  }
   render::RenderSettings settings = box_filtered(8, 8, 1, 2);
   settings.rays = RAYS_AUTO;
   EXPECT_EQ(render(scene, settings).statistics.rays, RAYS_SOFTWARE);
-  settings.rays = RAYS_HOST;
+  settings.rays = GetParam();
   try {
     render(scene, settings);
     FAIL() << "no error";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::BadUsage);
     EXPECT_NE(std::string(error.what()).find("contacts"), std::string::npos) << error.what();
+  }
+}
+
+// A near plane cuts away what lies before it.
+TEST_P(TracedBy, ClippedViewsHaveTheKernelsBits) {
+  if (GetParam() == RAYS_HOST) GTEST_SKIP() << "the host leaves them to the kernels";
+  PreparedScene scene = prepare(ball_under_lamp());
+  scene.scene.cameras[0].z_near = 4.2F;  // through the ball
+  scene.features = scene::find_features(scene.scene);
+  ASSERT_NE(scene.features.bits & FEATURE_CLIPPING, 0u);
+  expect_kernels_bits(scene, PT);
+}
+
+INSTANTIATE_TEST_SUITE_P(Tracers, TracedBy, testing::Values(RAYS_HOST, RAYS_HARDWARE),
+                         [](const testing::TestParamInfo<uint32_t>& rays) {
+                           return std::string(rays.param == RAYS_HOST ? "Host" : "Hardware");
+                         });
+
+// What a device lacks is said by its name.
+TEST(HardwareRays, AreRefusedWhereThereAreNone) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (device()->info().has_ray_query) GTEST_SKIP() << "the device has ray queries";
+  render::RenderSettings settings = box_filtered(8, 8, 1, 2);
+  settings.rays = RAYS_HARDWARE;
+  try {
+    render(prepare(ball_under_lamp()), settings);
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::BadUsage);
+    EXPECT_NE(std::string(error.what()).find("lacks VK_KHR_ray_query"), std::string::npos) << error.what();
   }
 }
 

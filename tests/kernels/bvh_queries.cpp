@@ -40,21 +40,27 @@ interface::BenchRay make_ray(glm::dvec3 origin, glm::dvec3 direction, float t_ma
   return {glm::vec3(origin), t_max, glm::vec3(glm::normalize(direction)), 0};
 }
 
-RayQueries::RayQueries(const Triangles& triangles)
-    : bvh_(bvh::build(triangles)),
+RayQueries::RayQueries(const Triangles& triangles, uint32_t rays)
+    : rays_(rays),
+      bvh_(bvh::build(triangles)),
       nodes_(gpu::upload_new(*device(), bvh_.nodes, "nodes")),
       triangles_(gpu::upload_new(*device(), bvh_.triangles, "triangles")),
-      overruns_(device()->create_buffer(sizeof(uint32_t), "overruns")) {}
+      overruns_(device()->create_buffer(sizeof(uint32_t), "overruns")) {
+  if (rays == interface::RAYS_HARDWARE) structure_ = render::TriangleStructure(*device(), bvh_.triangles);
+}
 
 template <typename Result>
 std::vector<Result> RayQueries::run(const std::string& kernel_name, const Rays& rays) {
   const auto address = [](const gpu::Buffer& buffer) { return interface::device_address(buffer.address()); };
-  const gpu::Kernel kernel = create_batch_kernel(bench_shaders::spirv, kernel_name, {});
+  const bool is_hardware = rays_ == interface::RAYS_HARDWARE;
+  const gpu::Kernel kernel =
+      is_hardware ? device()->create_kernel({kernel_name, bench_shaders::spirv(kernel_name + ".rays"), {}})
+                  : create_batch_kernel(bench_shaders::spirv, kernel_name, {});
   const gpu::Buffer ray_buffer = gpu::upload_new(*device(), rays, "rays");
   const gpu::Buffer results = device()->create_buffer(rays.size() * sizeof(Result), "results");
   const interface::BenchArguments arguments {
-    address(nodes_), address(triangles_), address(ray_buffer), address(results), address(overruns_),
-        static_cast<uint32_t>(rays.size())
+    is_hardware ? interface::device_address(structure_.address()) : address(nodes_), address(triangles_),
+        address(ray_buffer), address(results), address(overruns_), static_cast<uint32_t>(rays.size())
   };
   gpu::CommandList commands(*device());
   commands.dispatch(kernel, gpu::bytes_of(arguments),

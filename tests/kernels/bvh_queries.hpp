@@ -9,6 +9,8 @@
 #include "bench/bench_interface.h"
 #include "bvh/bvh.hpp"
 #include "gpu/gpu.hpp"
+#include "interface/wavefront.h"
+#include "render/scene_structure.hpp"
 #include "support/random.hpp"
 
 namespace regulus::test {
@@ -31,7 +33,8 @@ void transform(Triangles& triangles, Rays& rays, double scale, glm::dvec3 shift)
 /// Triangles on the device, and queries against them through the kernels of shaders/bench.
 class RayQueries {
  public:
-  explicit RayQueries(const Triangles& triangles);
+  /// `rays`: RAYS_SOFTWARE, or RAYS_HARDWARE on a device that has ray queries.
+  explicit RayQueries(const Triangles& triangles, uint32_t rays = interface::RAYS_SOFTWARE);
 
   /// Hit::triangle is the index of the input triangle.
   std::vector<interface::Hit> closest(const Rays& rays);
@@ -44,8 +47,10 @@ class RayQueries {
   template <typename Result>
   std::vector<Result> run(const std::string& kernel, const Rays& rays);
 
+  uint32_t rays_;
   bvh::Bvh bvh_;
   gpu::Buffer nodes_, triangles_, overruns_;
+  render::TriangleStructure structure_;  // with RAYS_HARDWARE
 };
 
 /// What double precision says of one ray and one triangle, and how far float arithmetic may deviate from it.

@@ -101,12 +101,9 @@ uint64_t count_leaks(RayQueries& queries, const Rays& rays) {
 
 class BvhWatertight : public testing::TestWithParam<Closed> {};
 
-}  // namespace
-
-TEST_P(BvhWatertight, NoRayLeaks) {
-  REGULUS_SKIP_WITHOUT_DEVICE();
+/// share: of the rays that are aimed at vertices and edges, how many may leak.
+void expect_no_leaks(const Closed& closed, uint32_t traced_by, double share) {
   Random random(9);
-  const Closed& closed = GetParam();
   std::vector<glm::vec3> points;
   for (const glm::dvec3& point : closed.mesh.points) points.emplace_back(closed.scale * point + closed.shift);
   Triangles triangles;
@@ -129,8 +126,9 @@ TEST_P(BvhWatertight, NoRayLeaks) {
       aim(glm::mix(a, b, random.uniform()));
     }
   }
-  RayQueries queries(triangles);
-  uint64_t leaks = count_leaks(queries, rays);
+  RayQueries queries(triangles, traced_by);
+  const uint64_t aimed_leaks = count_leaks(queries, rays);
+  uint64_t leaks = 0;
   const size_t aimed = rays.size();
   uint64_t left = random_rays_per_mesh();
   const uint64_t anywhere = left;
@@ -143,10 +141,27 @@ TEST_P(BvhWatertight, NoRayLeaks) {
     }
     leaks += count_leaks(queries, rays);
   }
-  std::printf("%s: %zu rays at vertices and edges, %llu anywhere, %llu leaks (bound 0)\n", closed.name, aimed,
-              static_cast<unsigned long long>(anywhere), static_cast<unsigned long long>(leaks));
+  std::printf("%s: %llu of %zu rays at vertices and edges leak, %llu of %llu anywhere\n", closed.name,
+              static_cast<unsigned long long>(aimed_leaks), aimed, static_cast<unsigned long long>(leaks),
+              static_cast<unsigned long long>(anywhere));
+  EXPECT_LE(static_cast<double>(aimed_leaks), share * static_cast<double>(aimed));
   EXPECT_EQ(leaks, 0u);
   EXPECT_EQ(queries.overruns(), 0u);
+}
+
+}  // namespace
+
+TEST_P(BvhWatertight, NoRayLeaks) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  expect_no_leaks(GetParam(), interface::RAYS_SOFTWARE, 0);
+}
+
+// The device's own queries are as tight as the driver makes them: L25 loses up to one in 250 of the rays that
+// are aimed at corners, or at edges of boxes along the axes.
+TEST_P(BvhWatertight, NoRayOfTheDevicesOwnQueriesLeaks) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (!device()->info().has_ray_query) GTEST_SKIP() << "the device has no ray queries";
+  expect_no_leaks(GetParam(), interface::RAYS_HARDWARE, 0.01);
 }
 
 INSTANTIATE_TEST_SUITE_P(

@@ -1,4 +1,5 @@
-// Rays traced by the host answer as the kernels do: the same triangle, and t, u and v to the bit.
+// Rays traced by the host, or by the device's own queries, answer as the kernels do: the same triangle, and
+// t, u and v to the bit.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -43,50 +44,75 @@ bool has_same_bits(const interface::Hit& a, const interface::Hit& b) {
   return a.triangle == b.triangle && same(a.t, b.t) && same(a.u, b.u) && same(a.v, b.v);
 }
 
-class HostQueries : public testing::TestWithParam<std::pair<double, glm::dvec3>> {
- protected:
-  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+/// What a tracer says of rays: hits with indices of input triangles, and which segments are blocked.
+struct Answers {
+  std::vector<interface::Hit> hits;
+  std::vector<bool> is_blocked;
 };
 
-// Whatever differs must be right as well: a ray through an edge, of which each side finds one triangle.
-TEST_P(HostQueries, HaveTheKernelsBits) {
-  Random random(base_seed());
-  Triangles triangles = make_soup(random, 3000);
-  Rays rays = all_rays(random, 20000);
-  transform(triangles, rays, GetParam().first, GetParam().second);
-  RayQueries kernels(triangles);
-  const std::vector<interface::Hit> expected = kernels.closest(rays);
-  const std::vector<bool> is_blocked = kernels.any(rays);
-
-  const PreparedScene scene = scene_of(triangles);
-  const rays::SceneQuery query(scene);
-  std::vector<uint32_t> all(triangles.size());
-  std::iota(all.begin(), all.end(), 0u);
-  size_t found = 0, others = 0, other_verdicts = 0;
-  for (size_t i = 0; i < rays.size(); ++i) {
-    const interface::BenchRay& ray = rays[i];
-    uint32_t tag = 0;
-    interface::Hit hit = query.closest(ray.origin, ray.direction, ray.t_max, tag);
-    if (hit.triangle != interface::INVALID_INDEX) {
-      hit.triangle = scene.bvh.order[hit.triangle];
-      EXPECT_EQ(tag, hit.triangle);  // the soup's tags
-      ++found;
-    }
-    if (!has_same_bits(hit, expected[i])) {
-      ++others;
-      EXPECT_EQ(check_hit(triangles, all, ray, hit), "") << "ray " << i;
-    }
-    if (query.is_open(ray.origin, ray.direction, ray.t_max) == is_blocked[i]) ++other_verdicts;
-  }
-  std::printf("%zu of %zu rays hit; %zu hits and %zu verdicts differ\n", found, rays.size(), others,
-              other_verdicts);
-  EXPECT_GT(found, rays.size() / 4);
-  // An edge is hit by rounding about once in 2^24 / (edges along a ray) rays, slivers more often.
-  EXPECT_LE(others, rays.size() / 1000);
-  EXPECT_LE(other_verdicts, rays.size() / 1000);
+Answers answers_of(RayQueries queries, const Rays& rays) {
+  return {queries.closest(rays), queries.any(rays)};
 }
 
-INSTANTIATE_TEST_SUITE_P(Places, HostQueries,
+Answers answers_of_host(const Triangles& triangles, const Rays& rays) {
+  const PreparedScene scene = scene_of(triangles);
+  const rays::SceneQuery query(scene);
+  Answers answers;
+  for (const interface::BenchRay& ray : rays) {
+    uint32_t tag = 0;
+    interface::Hit& hit = answers.hits.emplace_back(query.closest(ray.origin, ray.direction, ray.t_max, tag));
+    answers.is_blocked.push_back(!query.is_open(ray.origin, ray.direction, ray.t_max));
+    if (hit.triangle == interface::INVALID_INDEX) continue;
+    hit.triangle = scene.bvh.order[hit.triangle];
+    EXPECT_EQ(tag, hit.triangle);  // the soup's tags
+  }
+  return answers;
+}
+
+class RayTracers : public testing::TestWithParam<std::pair<double, glm::dvec3>> {
+ protected:
+  void SetUp() override { REGULUS_SKIP_WITHOUT_DEVICE(); }
+
+  /// Rays through a soup at the place of the test. `trace` gives a tracer's answers. Whatever differs must be
+  /// right as well: a ray through an edge, of which each side finds one triangle.
+  template <typename Trace>
+  static void expect_kernels_bits(const Trace& trace) {
+    Random random(base_seed());
+    Triangles triangles = make_soup(random, 3000);
+    Rays rays = all_rays(random, 20000);
+    transform(triangles, rays, GetParam().first, GetParam().second);
+    const Answers expected = answers_of(RayQueries(triangles), rays), found = trace(triangles, rays);
+    std::vector<uint32_t> all(triangles.size());
+    std::iota(all.begin(), all.end(), 0u);
+    size_t hits = 0, others = 0, other_verdicts = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      hits += found.hits[i].triangle != interface::INVALID_INDEX ? 1 : 0;
+      if (found.is_blocked[i] != expected.is_blocked[i]) ++other_verdicts;
+      if (has_same_bits(found.hits[i], expected.hits[i])) continue;
+      ++others;
+      EXPECT_EQ(check_hit(triangles, all, rays[i], found.hits[i]), "") << "ray " << i;
+    }
+    std::printf("%zu of %zu rays hit; %zu hits and %zu verdicts differ\n", hits, rays.size(), others,
+                other_verdicts);
+    EXPECT_GT(hits, rays.size() / 4);
+    // An edge is hit by rounding about once in 2^24 / (edges along a ray) rays, slivers more often.
+    EXPECT_LE(others, rays.size() / 1000);
+    EXPECT_LE(other_verdicts, rays.size() / 1000);
+  }
+};
+
+TEST_P(RayTracers, TheHostHasTheKernelsBits) {
+  expect_kernels_bits(answers_of_host);
+}
+
+TEST_P(RayTracers, TheDevicesOwnQueriesHaveTheKernelsBits) {
+  if (!device()->info().has_ray_query) GTEST_SKIP() << "the device has no ray queries";
+  expect_kernels_bits([](const Triangles& triangles, const Rays& rays) {
+    return answers_of(RayQueries(triangles, interface::RAYS_HARDWARE), rays);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(Places, RayTracers,
                          testing::Values(std::pair(1.0, glm::dvec3(0)), std::pair(1e-5, glm::dvec3(0)),
                                          std::pair(1e6, glm::dvec3(0)),
                                          std::pair(1.0, glm::dvec3(100, -30, 7))));
