@@ -294,8 +294,14 @@ void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
 void declare_device(CLI::App& command, RenderOptions& options) {
   command
       .add_option("--device", options.device,
-                  "Vulkan device by index, uuid:... or part of its name (see regulus devices)")
+                  "Vulkan device by index, uuid:... or part of its name (see regulus devices); several with "
+                  "commas between them, or all, render one picture")
       ->type_name("DEVICE");
+  command
+      .add_option("--split", options.split,
+                  "Which of several devices renders which samples, as the header of a picture has it "
+                  "(regulus:split); default: by speed")
+      ->type_name("DEVICE=FIRST:COUNT,...");
   command
       .add_option("--backend", options.backend,
                   "Where to render: reference is the scalar double-precision reference, slow and without a "

@@ -26,6 +26,7 @@
 #include "session/checkpoint.hpp"
 #include "session/film_memory.hpp"
 #include "session/render_job.hpp"
+#include "session/several_devices.hpp"
 
 namespace regulus::cli {
 
@@ -77,8 +78,8 @@ void set_up_log(const RenderOptions& options, ProgressReport& progress) {
 struct Session {
   ProgressReport progress;
   OutputGuard guard;
-  std::unique_ptr<gpu::Device> device;  // opened when it is first needed
-  std::set<std::string> said;           // warnings
+  std::vector<std::unique_ptr<gpu::Device>> devices;  // opened when they are first needed
+  std::set<std::string> said;                         // warnings
   Stopwatch stopwatch;
   Clock::time_point begin = Clock::now();  // of the picture
 
@@ -103,20 +104,27 @@ void say_warning(const scene::Scene& scene, const std::string& warning, Session&
   if (session.said.insert(warning).second) spdlog::warn("{}: {}", scene.path.string(), warning);
 }
 
-gpu::Device& open_device(const RenderOptions& options, Session& session) {
-  if (session.device) return *session.device;
+std::unique_ptr<gpu::Device> open_device(const RenderOptions& options, const std::string& select) {
   const bool measures_stages = !options.stats.empty() || !options.report.empty();
-  session.device =
-      std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = options.device,
-                                                       .software_stage_times = measures_stages,
-                                                       .kernel_statistics = !options.stats.empty(),
-                                                       .memory_bytes = options.memory_bytes});
-  const gpu::DeviceInfo& info = session.device->info();
+  auto device = std::make_unique<gpu::Device>(gpu::DeviceOptions{.select = select,
+                                                                 .software_stage_times = measures_stages,
+                                                                 .kernel_statistics = !options.stats.empty(),
+                                                                 .memory_bytes = options.memory_bytes});
+  const gpu::DeviceInfo& info = device->info();
   if (info.kind == gpu::DeviceKind::Software)
     spdlog::info("device {}: software, rendering on the CPU", info.name);
   else
     spdlog::info("device {}", info.name);
-  return *session.device;
+  return device;
+}
+
+std::vector<gpu::Device*> open_devices(const RenderOptions& options, Session& session) {
+  if (session.devices.empty())
+    for (const std::string& select : gpu::split_device_list(options.device))
+      session.devices.push_back(open_device(options, select));
+  std::vector<gpu::Device*> devices;
+  for (const auto& device : session.devices) devices.push_back(device.get());
+  return devices;
 }
 
 // Before hours of work.
@@ -167,14 +175,18 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
                scene::placed_triangle_count(scene), scene.lights.size(), times.load_seconds,
                times.bvh_seconds);
   if (options.backend != "reference") session.progress.begin("device");
-  gpu::Device* device = options.backend == "reference" ? nullptr : &open_device(options, session);
+  std::vector<gpu::Device*> devices;
+  if (options.backend != "reference") devices = open_devices(options, session);
   std::optional<session::DisplayServer> viewer;
   if (!options.display_server.empty())
     viewer.emplace(parse_host_and_port(options.display_server), outputs.picture.string(),
                    session::placement_of(plan));
   const Limits limits{!options.has_no_sample_limit, options.time_limit, options.noise_target};
   RenderWatcher watcher(session.progress, limits, plan.window().pixels(), viewer ? &*viewer : nullptr);
-  session::Result result = session::render(prepared, plan, job, device, watcher);
+  session::Result result =
+      devices.size() > 1 || !options.split.empty()
+          ? session::render_on_devices(prepared, plan, job, devices, options.split, watcher)
+          : session::render(prepared, plan, job, devices.empty() ? nullptr : devices.front(), watcher);
   if (options.is_denoised) try_to_denoise(options, result);
   if (viewer) viewer->finish(result.image);
   RenderOptions exposed = options;

@@ -27,6 +27,7 @@ const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "dwaa",
                                                  "define",
                                                  "device",
+                                                 "split",
                                                  "scene",
                                                  "allow-external",
                                                  "strict",
@@ -109,6 +110,8 @@ void require_no_outputs(const RenderOptions& options, const std::string& who) {
       throw Error(ErrorCode::BadUsage, fmt::format("{} writes no files; leave out {}", who, option));
   if (options.is_denoised)
     throw Error(ErrorCode::BadUsage, fmt::format("{} writes no picture; leave out --denoise", who));
+  if (!options.split.empty())
+    throw Error(ErrorCode::BadUsage, fmt::format("{} uses one device; leave out --split", who));
 }
 
 void lift_sample_limit(const CLI::App& command, RenderOptions& options) {

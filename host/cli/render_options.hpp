@@ -28,7 +28,8 @@ struct RenderOptions : session::Request {
   std::string checkpoint;          ///< file to resume from; empty: none
   double checkpoint_seconds = 60;  ///< between two states of it
   bool is_resumed = false;         ///< go on from the checkpoint if it exists
-  std::string device;
+  std::string device;              ///< one, or several with commas between them, or all
+  std::string split;  ///< of samples among several devices (session/sample_split.hpp); empty: by speed
   std::string backend = "vulkan";  ///< or "reference": the scalar reference, which needs no device
   float exposure_ev = 0;
   bool is_exposed_automatically = false;

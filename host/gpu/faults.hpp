@@ -18,6 +18,9 @@ struct Faults {
   /// Once this many more allocations or submissions were made, the next ones fail as above. Unset: never.
   std::optional<uint32_t> allocations_before_failure, submissions_before_loss;
 
+  /// The only device that submissions_before_loss counts and loses. Null: each.
+  const class Device* only_device = nullptr;
+
   /// Devices that are opened claim to run no more groups in a dispatch. Unset: what they do run.
   std::optional<uint32_t> most_groups;
 

@@ -46,6 +46,11 @@ struct DeviceInfo {
 /// loader or no driver.
 std::vector<DeviceInfo> list_devices();
 
+/// What DeviceOptions::select is for each device that the text names: `all` (that can be used), or several
+/// choices with commas between them. One choice is handed back as it is, whether there is such a device or
+/// not. @throws regulus::Error (NoDevice) if one of several is unknown, ambiguous or given twice
+std::vector<std::string> split_device_list(const std::string& text);
+
 /// A buffer in device memory, freed with the object. Its contents are reached by `address()`. Precondition of
 /// freeing it: no submission that uses it is in flight. The same holds for a Kernel.
 class Buffer {

@@ -192,6 +192,13 @@ std::vector<DeviceInfo> list_devices() {
   return devices;
 }
 
+std::vector<std::string> split_device_list(const std::string& text) {
+  if (text != "all" && text.find(',') == std::string::npos) return {text};
+  std::vector<std::string> chosen;
+  for (const size_t place : select_devices(list_devices(), text)) chosen.push_back(std::to_string(place));
+  return chosen;
+}
+
 bool has_vulkan_loader() {
   try {
     const vk::raii::Context context;

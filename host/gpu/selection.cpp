@@ -104,6 +104,28 @@ size_t select_device(std::span<const DeviceInfo> devices, std::string_view selec
   return found.front();
 }
 
+std::vector<size_t> select_devices(std::span<const DeviceInfo> devices, std::string_view select) {
+  std::vector<size_t> chosen;
+  if (select == "all") {
+    for (size_t i = 0; i < devices.size(); ++i)
+      if (devices[i].usable()) chosen.push_back(i);
+    if (chosen.empty()) chosen.push_back(select_device(devices, ""));  // says why there is none
+    return chosen;
+  }
+  if (matches(devices, select).size() == 1) return {select_device(devices, select)};
+  for (size_t begin = 0; begin <= select.size();) {
+    const size_t end = std::min(select.find(',', begin), select.size());
+    const std::string_view one = select.substr(begin, end - begin);
+    if (one.empty())
+      fail(fmt::format("device {}: an empty name; there is {}", select, describe_all(devices)));
+    chosen.push_back(select_device(devices, one));
+    if (std::ranges::count(chosen, chosen.back()) > 1)
+      fail(fmt::format("device {}: {} is given twice", select, devices[chosen.back()].name));
+    begin = end + 1;
+  }
+  return chosen;
+}
+
 std::string lost_message(const std::string& device, std::span<const std::string> stages, int completed) {
   const auto count = static_cast<int>(stages.size());
   std::string when;

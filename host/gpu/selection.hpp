@@ -19,6 +19,10 @@ int preference(DeviceKind kind);
 /// ambiguous or cannot be used.
 size_t select_device(std::span<const DeviceInfo> devices, std::string_view select);
 
+/// The same for `all`, which are those that can be used, and for a list with commas, unless one device has
+/// them in its name. No device is chosen twice.
+std::vector<size_t> select_devices(std::span<const DeviceInfo> devices, std::string_view select);
+
 /// The error message for a lost device. `completed`: how many of the submission's stages are known to have
 /// ended; negative: not known.
 std::string lost_message(const std::string& device, std::span<const std::string> stages, int completed);

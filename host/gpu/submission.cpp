@@ -97,7 +97,8 @@ Submission Device::submit(CommandList&& commands) {
   try {
     if (info().kind == DeviceKind::Software) list.publish_to_host();
     list.recording->commands.end();
-    if (faults().lost_at_submit || Faults::is_due(faults().submissions_before_loss))
+    const bool is_meant = faults().only_device == nullptr || faults().only_device == this;
+    if (faults().lost_at_submit || (is_meant && Faults::is_due(faults().submissions_before_loss)))
       throw vk::DeviceLostError("submit");
     state.device.resetFences(*list.recording->fence);
     state.queue.submit(vk::SubmitInfo({}, {}, *list.recording->commands), *list.recording->fence);

@@ -45,6 +45,16 @@ struct Renderer::Impl {
 
   uint64_t finished() const { return scheduler.finished().camera; }
 
+  // Number of the sample that follows so many. (continue_with may set a first one below 0.)
+  uint32_t sample_after(uint64_t done) const { return plan.first_sample + static_cast<uint32_t>(done); }
+
+  void continue_with(uint32_t first_sample, uint32_t samples) {
+    const auto done = static_cast<uint32_t>(finished() / pixels);
+    plan.first_sample = first_sample - done;
+    plan.samples = done + samples;
+    total_paths = pixels * plan.samples;
+  }
+
   bool tell_progress() { return (*progress)(finished(), total_paths); }
 
   // After a wave.
@@ -103,7 +113,7 @@ struct Renderer::Impl {
                has_camera_pass = wavefront.has_pass(Pass::Camera);
     scheduler.run(begin, end, 0, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
       const StageArguments arguments =
-          wavefront.arguments_of(first % pixels, plan.first_sample + first / pixels, paths);
+          wavefront.arguments_of(first % pixels, sample_after(first / pixels), paths);
       if (has_light_pass) {
         const gpu::Buffer& count = wavefront.buffers.light_vertex_count;
         wavefront.work.room_for(1).fill(count, 0, count.size(), 0);
@@ -118,7 +128,7 @@ struct Renderer::Impl {
   void render_by_iterations() {
     if (plan.keeps(STATE_CACHE)) iteration.expect_light_vertices();
     for (uint64_t done = finished() / pixels; scheduler.is_running() && done < plan.samples; ++done) {
-      const uint64_t sample = plan.first_sample + done;
+      const uint64_t sample = sample_after(done);
       // A resumed render may have walked some of this iteration's light paths.
       const uint64_t before = done * plan.light_paths;
       iteration.run_light_pass(
@@ -177,6 +187,9 @@ Renderer::~Renderer() = default;
 
 void Renderer::resume(const Film& film) {
   impl_->resume(film);
+}
+void Renderer::continue_with(uint32_t first_sample, uint32_t samples) {
+  impl_->continue_with(first_sample, samples);
 }
 std::vector<AovPixel> Renderer::surface_aovs() {
   return trace_surface_aovs(impl_->wavefront);

@@ -30,6 +30,10 @@ class Renderer {
   /// Precondition: `film` was film() of a renderer with the same window, AOVs and effective techniques.
   void resume(const Film& film);
 
+  /// From now on these samples of every pixel are asked for, beside those that are done: film() will hold
+  /// both. Precondition: what is done are whole samples of every pixel.
+  void continue_with(uint32_t first_sample, uint32_t samples);
+
   /// What camera rays meet first, by pixel; empty unless a bit of SURFACE_AOVS is set. Not part of render().
   std::vector<interface::AovPixel> surface_aovs();
 

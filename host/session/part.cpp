@@ -34,6 +34,7 @@ const std::set<std::string> OF_THE_RUN = {"regulus:first_sample",
                                           "regulus:film_square_exponent",
                                           "regulus:device",
                                           "regulus:driver",
+                                          "regulus:split",
                                           "regulus:render_seconds",
                                           "regulus:non_finite",
                                           "regulus:scene"};

@@ -234,8 +234,9 @@ Result render(const PreparedScene& prepared, const render::Plan& plan, const Job
 std::string encode(const Result& result, const render::Plan& plan, const Job& job, image::Format format,
                    const image::Encoding& encoding, const std::filesystem::path& path) {
   if (job.holds_sums)
-    return encode_part(path, result.renderer->film(), {{plan.first_sample, plan.samples}}, result.attributes,
-                       result.channels, result.placement);
+    return encode_part(path, result.film ? *result.film : result.renderer->film(),
+                       {{plan.first_sample, plan.samples}}, result.attributes, result.channels,
+                       result.placement);
   return image::encode_picture(format, result.image, encoding, result.attributes, result.channels,
                                result.placement, path.string());
 }

@@ -363,7 +363,51 @@ TEST_F(RenderParts, HardwareRaysAreThoseOfTheRecord) {
   EXPECT_EQ(rays_in("x.exr"), "hardware");
   render("whole.exr", {"-s", "2", "--rays", "hardware"});
   EXPECT_TRUE(contents("x.exr").channels == contents("whole.exr").channels);
-  EXPECT_TRUE(contents("sum.exr").channels == contents("whole.exr").channels);
+  render("part.exr", {"--samples", "0:2", "--rays", "hardware"});
+  EXPECT_TRUE(contents("sum.exr").channels == contents("part.exr").channels);
+}
+
+// Devices of different drivers, those that cmake/drivers got: the record, repeated, has the same bits, and
+// its parts are those that each device renders alone.
+TEST_F(RenderParts, DevicesOfSeveralDriversShareARender) {
+  const fs::path drivers = fs::path(REGULUS_SOURCE_DIR) / "build/drivers";
+  const std::string first = drivers / "L25/icd.json", second = drivers / "SW/icd.json";
+  if (!fs::exists(first) || !fs::exists(second)) GTEST_SKIP() << "no two drivers in " << drivers;
+  const Environment both = {{"VK_DRIVER_FILES", first + ":" + second},
+                            {"VK_ICD_FILENAMES", first + ":" + second}};
+  const auto render_on_both = [&](const std::string& output, const Arguments& more) {
+    const Finished finished = run(command(output, more), both);
+    ASSERT_EQ(finished.status, 0) << finished.err;
+  };
+  const Arguments own = {"--rays", "software", "--samples", "3:9"};
+  const auto with = [&](Arguments more) {
+    more.insert(more.end(), own.begin(), own.end());
+    return more;
+  };
+  render_on_both("a.exr", with({"--device", "all"}));
+  const image::ExrContents a = contents("a.exr");
+  const std::string split = a.attributes.at("regulus:split");
+  std::printf("%s on %s\n", split.c_str(), a.attributes.at("regulus:device").c_str());
+  EXPECT_NE(a.attributes.at("regulus:device").find("; "), std::string::npos);
+  EXPECT_EQ(a.attributes.at("regulus:samples_done"), "9");
+  render_on_both("again.exr", with({"--device", "0,1", "--split", split}));
+  EXPECT_TRUE(a.channels == contents("again.exr").channels);
+
+  render_on_both("given.exr", with({"--device", "0,1", "--split", "1=3:2,0=5:7"}));
+  EXPECT_EQ(contents("given.exr").attributes.at("regulus:split"), "1=3:2,0=5:7");
+  render_on_both("part1.exr", {"--device", "1", "--rays", "software", "--samples", "3:2"});
+  render_on_both("part0.exr", {"--device", "0", "--rays", "software", "--samples", "5:7"});
+  ASSERT_EQ(run({"merge", file("sum.exr"), file("part1.exr"), file("part0.exr")}).status, 0);
+  EXPECT_TRUE(contents("given.exr").channels == contents("sum.exr").channels);
+
+  for (const auto& [wrong, mention] :
+       {std::pair("1=3:2,0=6:6", "sample 5"), std::pair("0=3:2,1=4:8", "sample 4"),
+        std::pair("0=3:8", "ends"), std::pair("2=3:9", "device 2"), std::pair("0=3:9,", "expected"),
+        std::pair("x", "expected")})
+    expect_error(run(command("x.exr", with({"--device", "0,1", "--split", wrong})), both), 2,
+                 {"--split", mention});
+  expect_error(run(command("x.exr", {"--device", "0,1", "--time", "5"}), both), 2,
+               {"--device", "time limit"});
 }
 
 // The folder of the checkpoint goes away, or there never is room: the render warns, goes on, and is written.

@@ -148,8 +148,8 @@ TEST_F(Shells, OfferWhatFits) {
   write_completion("bash");
   std::ofstream(file("a scene.gltf"));
   EXPECT_EQ(offered({"rend"}), "render\n");
-  EXPECT_EQ(offered({"render", "--rays", "h"}), "host\n");
-  EXPECT_EQ(offered({"render", "--rays", "=", "h"}), "host\n");
+  EXPECT_EQ(offered({"render", "--rays", "ho"}), "host\n");
+  EXPECT_EQ(offered({"render", "--rays", "=", "h"}), "hardware\nhost\n");
   EXPECT_EQ(offered({"render", "--rays", "="}), "auto\nhardware\nsoftware\nhost\n");
   EXPECT_EQ(offered({"render", "a"}), "a scene.gltf\n");
   EXPECT_EQ(offered({"render", "x.gltf", "--output", "a"}), "a scene.gltf\n");

@@ -86,6 +86,25 @@ TEST(GpuSelection, ChoosesAmongEqualNamesByUuid) {
   EXPECT_TRUE(contains(complaint(equal, "card"), "uuid"));
 }
 
+TEST(GpuSelection, ListsChooseSeveral) {
+  using Places = std::vector<size_t>;
+  EXPECT_EQ(select_devices(machine, "all"), (Places{1, 2, 3}));  // 0 cannot be used
+  EXPECT_EQ(select_devices(machine, "3,beta"), (Places{3, 2}));
+  EXPECT_EQ(select_devices(machine, "pipe"), Places{3});
+  const std::vector<DeviceInfo> with_comma = {
+      device(0, "llvmpipe (LLVM 15, 256 bits)", DeviceKind::Software)};
+  EXPECT_EQ(select_devices(with_comma, "LLVM 15, 256"), Places{0});
+  for (const auto& [list, mention] :
+       {std::pair("1,1", "twice"), std::pair("1,,2", "empty"), std::pair("1,7", "no such device"),
+        std::pair("1,0", "scalarBlockLayout")})
+    try {
+      select_devices(machine, list);
+      ADD_FAILURE() << list;
+    } catch (const Error& error) {
+      EXPECT_TRUE(contains(error.what(), mention)) << error.what();
+    }
+}
+
 TEST(GpuExtensions, AreThoseThatTheDeviceHas) {
   const auto enabled = [](const std::vector<std::string>& has, bool statistics, bool ray_queries) {
     const std::vector<const char*> names = extensions_to_enable(has, statistics, ray_queries);
