@@ -231,8 +231,9 @@ void declare_budget(CLI::App& command, bench::ErrorBudget& budget) {
       ->type_name("SECONDS")
       ->check(number_in(0.01, 1e6))
       ->capture_default_str();
-  command.add_flag("--cpu-time", budget.counts_cpu_time,
-                   "Count CPU seconds of this process: fair on a busy machine, for software devices");
+  command.add_flag(
+      "--cpu-time", budget.counts_cpu_time,
+      "Count CPU seconds of this process, which is fair on a busy machine; for software devices");
   command.add_option("-s,--spp", budget.samples, "Samples per pixel for each seed, instead of a time")
       ->type_name("N")
       ->check(whole_number_in(1, session::MAX_SAMPLES));
@@ -250,7 +251,7 @@ void declare_outputs(CLI::App& command, BenchErrorOptions& options) {
       ->type_name("FOLDER");
   command
       .add_option("--region", options.region,
-                  "Measure only the pixels x0,y0,x1,y1 of each scene, of whole renders")
+                  "Measure only these pixels of each scene; whole pictures are rendered")
       ->type_name("x0,y0,x1,y1");
   command.add_option("--json", options.json, "Write what was measured as JSON")->type_name("FILE");
   command.add_option("--html", options.html, "Write a page with plots and pictures")->type_name("FILE");
@@ -274,15 +275,15 @@ void add_bench_error_commands(CLI::App& bench) {
   declare_outputs(*error, *error_options);
   error->callback([error_options] { run_bench_error(*error_options); });
 
-  CLI::App* reference =
-      bench.add_subcommand("reference", "Makes the reference image of a scene, with its own error");
+  CLI::App* reference = bench.add_subcommand(
+      "reference", "Make the reference image of a scene, with an estimate of its own error");
   const auto reference_options = std::make_shared<BenchReferenceOptions>();
   reference->add_option("SCENE", reference_options->scene, "glTF file")->type_name("FILE")->required();
   reference
       ->add_option("-o,--output", reference_options->output,
                    "EXR to write (default: reference/NAME.exr beside the scene)")
       ->type_name("FILE");
-  reference->add_option("--size", reference_options->size, "WIDTHxHEIGHT")
+  reference->add_option("--size", reference_options->size, "Size of the film in pixels")
       ->type_name("WIDTHxHEIGHT")
       ->capture_default_str();
   reference->add_option("--options", reference_options->options, "Options of render")

@@ -220,7 +220,7 @@ void add_bench_command(CLI::App& app) {
       "kernels",
       "Rays per second of the traversal kernels, and of the device's own ray queries, beside Embree");
   const auto options = std::make_shared<BenchKernelsOptions>();
-  kernels->add_option("SCENE", options->scenes, "glTF files to measure besides the procedural scenes")
+  kernels->add_option("SCENE", options->scenes, "glTF files to measure in addition to the procedural scenes")
       ->type_name("FILE");
   kernels->add_option("--json", options->json, "Write the results as a JSON array")->type_name("FILE");
   kernels->add_option("--device", options->device, "Index, uuid:... or part of the name of the Vulkan device")

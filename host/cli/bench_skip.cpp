@@ -70,14 +70,15 @@ void run_bench_skip(BenchSkipOptions& options) {
 
 void add_bench_skip_command(CLI::App& bench) {
   CLI::App* skip = bench.add_subcommand(
-      "skip",
-      "Time and memory of each feature that a scene lacks: present but unused against specialized away");
+      "skip", "Time and memory that it saves to compile away each feature that a scene lacks");
   const auto options = std::make_shared<BenchSkipOptions>();
   skip->add_option("SCENE", options->scene, "glTF file")->type_name("FILE")->required();
   skip->add_option("--options", options->options, "Options of render")
       ->type_name("OPTIONS")
       ->capture_default_str();
-  skip->add_option("--size", options->size, "WIDTHxHEIGHT")->type_name("WIDTHxHEIGHT")->capture_default_str();
+  skip->add_option("--size", options->size, "Size of the film in pixels")
+      ->type_name("WIDTHxHEIGHT")
+      ->capture_default_str();
   skip->add_option("--repeats", options->budget.repeats,
                    "Pairs of renders for each feature; the median of their ratios counts")
       ->type_name("N")

@@ -74,14 +74,14 @@ void run_bench_stability(const BenchStabilityOptions& options) {
 }  // namespace
 
 void add_bench_stability_command(CLI::App& bench) {
-  CLI::App* command = bench.add_subcommand(
-      "stability",
-      "Errors of device and reference where their arithmetic ends, against closed forms and more digits");
+  CLI::App* command = bench.add_subcommand("stability",
+                                           "Errors of device and reference up to where their arithmetic "
+                                           "ends, against closed forms and more digits");
   const auto options = std::make_shared<BenchStabilityOptions>();
-  CLI::Option* quick =
-      command->add_flag("--quick", options->is_quick, "Few points a sweep: seconds (the default)");
-  command->add_flag("--full", options->is_full, "Many points and all models: minutes")->excludes(quick);
-  command->add_option("--families", options->families, "Only these")
+  CLI::Option* quick = command->add_flag("--quick", options->is_quick,
+                                         "Few points in each sweep: takes seconds (the default)");
+  command->add_flag("--full", options->is_full, "Many points and all models: takes minutes")->excludes(quick);
+  command->add_option("--families", options->families, "Sweep only these families")
       ->type_name("LIST")
       ->delimiter(',')
       ->check(CLI::IsMember(stability::family_names()));

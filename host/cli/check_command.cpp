@@ -138,15 +138,15 @@ void run_check(CLI::App& command, CheckOptions& options) {
 
 void add_check_command(CLI::App& app) {
   const auto options = std::make_shared<CheckOptions>();
-  CLI::App* command = app.add_subcommand(
-      "check", "Hold every stage of the device against the scalar reference, on data of a scene");
+  CLI::App* command =
+      app.add_subcommand("check", "Compare every stage of the device with the scalar reference, on a scene");
   declare_render_options(*command, options->render);
   command->option_defaults()->group("Check");
-  command->add_option("--path", options->path, "Print one camera path from both in full")
+  command->add_option("--path", options->path, "Print one camera path in full, from device and reference")
       ->type_name("x,y,sample");
   command
       ->add_option("--weights", options->weights,
-                   "Only connections, merges and splats, until so many weights have been compared")
+                   "Compare only connections, merges and splats, until this many weights have been compared")
       ->type_name("N");
   command
       ->add_option("--statistics", options->statistics,

@@ -39,7 +39,7 @@ void write_manual(const CLI::App& app, const std::filesystem::path& folder) {
 void add_completion_commands(CLI::App& app) {
   const auto shell = std::make_shared<std::string>();
   CLI::App* completion =
-      app.add_subcommand("completion", "Print a script for the completion of this command line by a shell");
+      app.add_subcommand("completion", "Print a script that lets a shell complete this command line");
   completion->add_option("SHELL", *shell, "The shell")
       ->type_name("bash|zsh|fish")
       ->required()

@@ -49,7 +49,7 @@ void declare_look(CLI::App& command, RenderOptions& options) {
             options.is_exposed_automatically = text == "auto";
             options.exposure_ev = options.is_exposed_automatically ? 0 : std::stof(text);
           },
-          "Exposure of PNG and JPEG; auto: the mean of the picture's logarithms becomes middle grey")
+          "Exposure of PNG and JPEG; auto: the mean logarithm of luminance becomes that of middle grey")
       ->type_name("STOPS|auto")
       ->check([is_stops](std::string text) { return text == "auto" ? std::string() : is_stops(text); });
   command
@@ -78,15 +78,15 @@ void declare_output(CLI::App& command, RenderOptions& options) {
       ->type_name("NAMES");
   command.add_flag(
       "--denoise", options.is_denoised,
-      "Denoise the picture, with albedo and normals, which are added to it; what it was stays as "
-      "noisy.R, noisy.G, noisy.B. Takes a box filter unless --filter says otherwise");
+      "Denoise the picture by its albedo and normals, which are added to it; the noisy picture stays in "
+      "it as noisy.R, noisy.G, noisy.B. Uses a box filter unless --filter says otherwise");
   add_denoiser_options(command, options.denoise);
   command.add_option("--strategy-images", options.strategy_images, STRATEGY_IMAGES_HELP)->type_name("FOLDER");
   command.add_option("--stats", options.stats, "Write times, rays and memory as JSON")->type_name("FILE");
   command
       .add_option("--report", options.report,
-                  "Write a page that shows the picture, what was chosen and why, times, rays, memory and how "
-                  "the error fell")
+                  "Write a page with the picture, what was chosen and why, times, rays, memory, and how the "
+                  "error fell")
       ->type_name("FILE.html");
   command
       .add_option("--display-server", options.display_server,
@@ -115,9 +115,9 @@ void declare_output(CLI::App& command, RenderOptions& options) {
             for (const auto& [name, style] : styles)
               if (name == text) options.progress = style;
           },
-          "How far the render is: a line that is drawn anew on a terminal and otherwise a line every 10 "
-          "seconds, both on stderr (auto); those lines in any case; one JSON object a line on stdout, in "
-          "place of the message at the end")
+          "How to show progress. auto: on a terminal a line that is redrawn, otherwise a line every 10 "
+          "seconds, both on stderr; lines: always those lines; json: one JSON object a line on stdout, in "
+          "place of the message at the end; none: not at all")
       ->type_name("auto|lines|json|none")
       ->check(one_of({"auto", "lines", "json", "none"}))
       ->default_str("auto");
@@ -130,13 +130,13 @@ void declare_quality(CLI::App& command, RenderOptions& options) {
       ->type_name("N")
       ->default_str(std::to_string(settings.samples));
   add_setting(command, options, "--time",
-              "Stop after so many seconds of rendering, but not before every pixel has a sample. Without "
-              "--spp on the command line as many samples as the time allows")
+              "Stop after this many seconds of rendering, but not before every pixel has a sample. Without "
+              "--spp on the command line: as many samples as the time allows")
       ->type_name("SECONDS");
   add_setting(command, options, "--noise",
               "Stop when the estimated relative error of the picture (the root of relMSE, from how much it "
               "changes with more samples) is this small, "
-              "after 16 samples at least. Without --spp on the command line as many samples as that takes")
+              "after 16 samples at least. Without --spp on the command line: as many samples as that takes")
       ->type_name("ERROR");
   add_setting(command, options, "--seed", "Seed of the random numbers")
       ->type_name("N")
@@ -159,21 +159,22 @@ void declare_quality(CLI::App& command, RenderOptions& options) {
 
 void declare_transport(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
-  add_setting(command, options, "-i,--integrator",
-              "A named set of techniques; auto: those that suit the scene (`regulus plan` tells among which)")
+  add_setting(
+      command, options, "-i,--integrator",
+      "A named set of techniques; auto: those that suit the scene (`regulus plan` shows the candidates)")
       ->type_name(listed(names::INTEGRATORS))
       ->default_str(options.integrator);
   add_setting(command, options, "--techniques",
               "The techniques themselves, separated by commas: hit,nee,splat,connect,merge")
       ->type_name("NAMES");
   add_setting(command, options, "--settings-from",
-              "Picture whose techniques and regularization to use instead of choosing them")
+              "Use the techniques and regularization of this picture instead of choosing them")
       ->type_name("FILE");
   add_setting(command, options, "--max-depth", "Longest path, in edges")
       ->type_name("N")
       ->default_str(std::to_string(settings.max_depth));
   add_setting(command, options, "--light-paths",
-              "Light paths per iteration, that is, per sample of every pixel (default: one per pixel)")
+              "Light paths per iteration, in which every pixel gets one sample (default: one per pixel)")
       ->type_name("N");
   add_setting(command, options, "--light-sampling",
               fmt::format("How surfaces choose the light they sample: bvh by what it can send there, power, "
@@ -192,7 +193,7 @@ void declare_transport(CLI::App& command, RenderOptions& options) {
               "surfaces seen)")
       ->type_name("METRES|PERCENT%");
   add_setting(command, options, "--merge-reduction",
-              "The merge radius of iteration i is the first one's times i to minus this power")
+              "The merge radius of iteration i is that of the first, times i to minus this power")
       ->type_name("EXPONENT")
       ->default_str(fmt::format("{:g}", settings.merge_reduction));
   add_setting(command, options, "--ndf", "Distribution of microfacet normals")
@@ -209,25 +210,27 @@ void declare_transport(CLI::App& command, RenderOptions& options) {
 void declare_regularization(CLI::App& command, RenderOptions& options) {
   render::RenderSettings& settings = options.settings;
   add_setting(command, options, "--regularization",
-              "How connections and merges see glossy and specular surfaces: as they are (none), with "
-              "raised roughness, by what they send into a small cone (virtual-merge), or both with raised "
-              "roughness and as they are")
+              "How connections and merges see glossy and specular surfaces: as they are (none), with raised "
+              "roughness (roughness), by what they send into a small cone (virtual-merge), or both as they "
+              "are and with raised roughness (both)")
       ->type_name(listed(names::REGULARIZATION))
-      ->default_str(options.regularization ? "none" : "roughness; with technique merge none");
+      ->default_str(options.regularization ? "none"
+                                           : "with -i auto what suits the scene; otherwise roughness, or "
+                                             "none with technique merge");
   add_setting(command, options, "--tau",
-              "Largest density of a regularized lobe: smaller blurs more, inf does not regularize")
+              "Largest density of a regularized lobe: smaller values blur more, inf is no regularization")
       ->type_name("1/SR")
       ->default_str(fmt::format("{:g}", settings.tau));
   add_setting(command, options, "--bound", "How roughness follows from tau")
       ->type_name(listed(names::BOUND))
       ->default_str("peak");
   add_setting(command, options, "--tau-schedule",
-              "consistent raises roughness less with every iteration, so that the picture converges to "
-              "the truth")
+              "consistent: roughness is raised less with every iteration, so that the picture converges to "
+              "the truth; fixed: always by as much")
       ->type_name(listed(names::TAU_SCHEDULE))
       ->default_str("consistent");
   add_setting(command, options, "--diffusion",
-              "on: what the camera sees directly or through sharp surfaces alone is not regularized")
+              "on: what the camera sees directly, or by way of sharp surfaces only, is not regularized")
       ->type_name(listed(names::DIFFUSION))
       ->default_str("on");
   add_setting(command, options, "--sampler-quality",
@@ -245,7 +248,8 @@ void declare_regularization(CLI::App& command, RenderOptions& options) {
 void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
   add_setting(command, options, "--size", "Size of the film in pixels (default: the scene's)")
       ->type_name("WIDTHxHEIGHT");
-  add_setting(command, options, "--crop", "Only these pixels, from the top left, x1 and y1 excluded")
+  add_setting(command, options, "--crop",
+              "Render only these pixels; counted from the top left, x1 and y1 excluded")
       ->type_name("x0,y0,x1,y1");
   add_setting(command, options, "--camera", "Camera by name or index (default: the first)")
       ->type_name("CAMERA");
@@ -264,8 +268,8 @@ void declare_camera_and_scene(CLI::App& command, RenderOptions& options) {
       ->check(number_in(-1e9, 1e9));
   command
       .add_option("--frames", options.frames,
-                  "A picture of each of these frames, number / fps seconds into the animation, in files of "
-                  "their own: the frame's number, as in name.0007.exr, or in place of #s in the name")
+                  "Render each of these frames, number / fps seconds into the animation, into a file of its "
+                  "own, with the frame's number as in name.0007.exr, or in place of a run of # in the name")
       ->type_name("FIRST:LAST")
       ->excludes("--at");
   command.add_option("--fps", options.frames_per_second, "Frames per second of --frames")
@@ -299,37 +303,37 @@ void declare_device(CLI::App& command, RenderOptions& options) {
       ->type_name("DEVICE");
   command
       .add_option("--split", options.split,
-                  "Which of several devices renders which samples, as the header of a picture has it "
+                  "Which of several devices renders which samples, as in the header of a picture "
                   "(regulus:split); default: by speed")
       ->type_name("DEVICE=FIRST:COUNT,...");
   command
-      .add_option("--backend", options.backend,
-                  "Where to render: reference is the scalar double-precision reference, slow and without a "
-                  "device")
+      .add_option(
+          "--backend", options.backend,
+          "What renders: a Vulkan device, or the scalar double-precision reference, which is slow and "
+          "needs no device")
       ->type_name("vulkan|reference")
       ->check(one_of({"vulkan", "reference"}))
       ->capture_default_str();
   add_memory_option(command, options.memory_bytes);
   add_setting(
       command, options, "--rays",
-      "Who traces rays: the device's own ray queries (hardware), kernels (software), Embree in the memory of "
-      "a "
-      "software device (host), or auto: of software devices host, of others hardware, where device and scene "
-      "allow, else software")
+      "What traces rays: the device's own ray queries (hardware); kernels (software); Embree, in the memory "
+      "of a software device (host); or auto, which is host on software devices and hardware on others where "
+      "device and scene allow it, and software otherwise")
       ->type_name(listed(names::RAYS))
       ->default_str("auto");
   add_setting(command, options, "--wave",
               "Paths in flight (default: chosen for the device; never changes the picture)")
       ->type_name("N");
   add_setting(command, options, "--band",
-              "Pixels rendered at once, in bands of rows (default: as the device's buffers hold; never "
-              "changes the picture)")
+              "Pixels rendered at once, in bands of rows (default: as many as the device's buffers hold; "
+              "never changes the picture)")
       ->type_name("N");
 }
 
 void declare_long_renders(CLI::App& command, RenderOptions& options) {
   add_setting(command, options, "--samples",
-              "Only these of the samples, with what `regulus merge` needs to join parts")
+              "Render only these samples, and store what `regulus merge` needs to join parts")
       ->type_name("FIRST:COUNT")
       ->excludes("--spp");
   command

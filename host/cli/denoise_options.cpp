@@ -30,7 +30,7 @@ void restore_noise(image::Image& image, image::Channels& channels) {
 void add_denoiser_options(CLI::App& command, DenoiseOptions& options) {
   command
       .add_option("--denoiser", options.by,
-                  "What denoises: Open Image Denoise, or a cross filter of our own, which is worse and needs "
+                  "What denoises: Open Image Denoise, or our own cross filter, which is worse but needs "
                   "nothing")
       ->type_name("oidn|cross")
       ->check(one_of({"oidn", "cross"}))

@@ -310,7 +310,7 @@ void examine() {
 
 void add_doctor_command(CLI::App& app) {
   app.add_subcommand("doctor",
-                     "What this machine renders with: drivers, limits, cache, and what would mend faults")
+                     "What this machine renders with: drivers, limits, cache; and how to mend what is wrong")
       ->callback(examine);
 }
 

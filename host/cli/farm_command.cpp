@@ -135,12 +135,12 @@ void add_farm_command(CLI::App& app) {
       ->required();
   command
       ->add_option("--parts", options->parts,
-                   "How many tasks there are: ranges of samples, or of frames with --frames")
+                   "Number of tasks: ranges of samples, or with --frames of frames")
       ->type_name("N")
       ->required()
       ->check(whole_number_in(1, MOST_PARTS));
   command
-      ->add_option("--for", options->scheduler, "Who runs the tasks: Slurm, GNU parallel, or a shell alone")
+      ->add_option("--for", options->scheduler, "What runs the tasks: Slurm, GNU parallel, or just a shell")
       ->type_name("slurm|parallel|shell")
       ->required()
       ->check(one_of({"slurm", "parallel", "shell"}));

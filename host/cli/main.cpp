@@ -47,7 +47,7 @@ int fail(std::string message, regulus::ErrorCode code) {
 }
 
 int run(int argc, char** argv) {
-  CLI::App app{"Regulus: renders glTF scenes with robust light transport on any Vulkan device"};
+  CLI::App app{"Regulus: renders glTF scenes with robust light transport on any Vulkan device", "regulus"};
   app.set_version_flag("--version", fmt::format("regulus {} (commit {}, {}, {})", regulus::VERSION,
                                                 regulus::COMMIT, regulus::COMPILER, regulus::BUILD_TYPE));
   app.formatter(std::make_shared<regulus::cli::HelpFormatter>());

@@ -64,7 +64,7 @@ void add_merge_command(CLI::App& app) {
       "merge", "Join parts of a render (render --samples, --crop) into the image of all their samples");
   command
       ->add_option("OUTPUT", options->output,
-                   "File to write: .exr, which is a part again, or a picture alone in .png, .jpg, .hdr")
+                   "File to write: .exr, which is a part again, or only the picture as .png, .jpg or .hdr")
       ->type_name("FILE")
       ->required();
   command->add_option("PART", options->parts, "Files written by render --samples or by merge")

@@ -55,7 +55,7 @@ void plan_scene(CLI::App& command, PlanOptions& options) {
 void add_plan_command(CLI::App& app) {
   const auto options = std::make_shared<PlanOptions>();
   CLI::App* command =
-      app.add_subcommand("plan", "Which techniques suit a scene, and among which -i auto chooses");
+      app.add_subcommand("plan", "Which sets of techniques suit a scene: those among which -i auto chooses");
   declare_render_options(*command, *options);
   command->add_option("--json", options->json, "Write the table to this file")->type_name("FILE");
   command->callback([command, options] { plan_scene(*command, *options); });
