@@ -184,6 +184,12 @@ const std::map<uint32_t, Addition>& additions() {
          s.material().clearcoat_roughness = 0.5F;
          s.material().flags |= MATERIAL_COAT_NORMAL;
        }},
+      {FEATURE_IRIDESCENCE,
+       [](Speck& s) {
+         s.shiny(0.5F).iridescence = 1;
+         s.material().iridescence_ior = 1.3F;
+         s.material().iridescence_thickness = {100, 400};
+       }},
       {FEATURE_SHEEN, [](Speck& s) { s.shiny(0.5F).sheen_color = glm::vec3(0.1F); }},
       {FEATURE_ANISOTROPY, [](Speck& s) {
          s.scene().vertex_tangents.resize(s.scene().vertices.size(), glm::vec4(1, 0, 0, 1));

@@ -27,6 +27,15 @@ double fresnel_of_refraction(const dvec3& wo, const dvec3& wi, const dvec3& h, d
   return eta < 1 ? fresnel_dielectric(-dot(wi, h), 1 / eta) : fresnel_dielectric(dot(wo, h), eta);
 }
 
+double largest(const dvec3& color) {
+  return std::max({color.r, color.g, color.b});
+}
+
+/// The cosine on the thin side of an interface; 0 where a direction on the dense one is reflected totally.
+double thin_cosine(double cosine, double eta) {
+  return eta < 1 ? std::sqrt(std::max(1 - (1 - cosine * cosine) / (eta * eta), 0.0)) : cosine;
+}
+
 }  // namespace
 
 double luminance(const dvec3& color) {
@@ -69,6 +78,7 @@ Bsdf::Bsdf(const BsdfParameters& parameters)
       surface_{parameters.ndf, parameters.shadowing, parameters.alpha},
       coat_{parameters.ndf, parameters.shadowing, parameters.coat_alpha},
       dielectric_(SpecularDielectric::make(parameters.ior, parameters.specular, parameters.specular_color)) {
+  own_alpha_ = parameters.alpha;
   energy_roughness_ = std::sqrt(std::sqrt(parameters.alpha.x * parameters.alpha.y));
   diffuse_albedo_ = (1 - parameters.metallic) * (1 - parameters.transmission) * parameters.base_color;
   for (const EnergyTables* tables : {parameters.energy, parameters.cover, parameters.raised_light})
@@ -123,8 +133,37 @@ double Bsdf::relative_index(const dvec3& w) const {
 }
 
 dvec3 Bsdf::reflectance(double cos_facet, double eta) const {
-  return parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
-         (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta);
+  const dvec3 plain = parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
+                      (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta);
+  return film_over(plain, thin_cosine(cos_facet, eta), dvec3(1), 1);
+}
+
+dvec3 Bsdf::film_over(const dvec3& plain, double thin_cosine, const dvec3& metal_gain,
+                      double dielectric_gain) const {
+  if (parameters_.film_strength == 0) return plain;
+  const ThinFilm& film = parameters_.film;
+  const dvec3 covered =
+      parameters_.metallic * metal_gain * film.reflectance(parameters_.base_color, thin_cosine) +
+      (1 - parameters_.metallic) * dielectric_gain * film.reflectance(dielectric_.f0, thin_cosine);
+  return glm::mix(plain, covered, parameters_.film_strength);
+}
+
+double Bsdf::chosen_reflection(double cosine, double position) const {
+  const BsdfParameters& p = parameters_;
+  const double schlick = std::pow(1 - cosine, 5);
+  const dvec3 of_metal = p.film.mean_reflectance(p.base_color, 1);
+  const dvec3 of_dielectric = p.film.mean_reflectance(dielectric_.f0, 1);
+  const dvec3 metal =
+      glm::mix(fresnel_metal(p.base_color, cosine), glm::mix(of_metal, dvec3(1), schlick), p.film_strength);
+  const dvec3 dielectric = glm::mix(dielectric_.at_position(position),
+                                    glm::mix(of_dielectric, dvec3(1), position), p.film_strength);
+  return luminance(p.metallic * metal + (1 - p.metallic) * dielectric);
+}
+
+double Bsdf::chosen_base(const dvec3& color, double position) const {
+  const double covered = (1 - largest(parameters_.film.mean_reflectance(dielectric_.f0, 1))) * (1 - position);
+  return luminance(
+      color * glm::mix(1.0 - dielectric_.at_position(position), dvec3(covered), parameters_.film_strength));
 }
 
 double Bsdf::dielectric_gain(double camera_z) const {
@@ -145,8 +184,10 @@ dvec3 Bsdf::metal_gain(double camera_z) const {
 }
 
 dvec3 Bsdf::compensated_reflectance(double cos_facet, double eta, double camera_z) const {
-  return parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) * metal_gain(camera_z) +
-         (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta) * dielectric_gain(camera_z);
+  const dvec3 plain =
+      parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) * metal_gain(camera_z) +
+      (1 - parameters_.metallic) * dielectric_.reflectance(cos_facet, eta) * dielectric_gain(camera_z);
+  return film_over(plain, thin_cosine(cos_facet, eta), metal_gain(camera_z), dielectric_gain(camera_z));
 }
 
 dvec2 Bsdf::cover(double cosine, double eta) const {
@@ -196,9 +237,12 @@ dvec3 Bsdf::mean_transmittance(bool is_back) const {
   return glm::max(passed, dvec3(1e-6));
 }
 
-dvec3 Bsdf::transmittance(double exact, double eta) const {
-  return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color *
-         (1.0 - dielectric_.remap(exact, eta));
+dvec3 Bsdf::transmittance(double exact, double thin_cosine, double eta) const {
+  dvec3 passed = 1.0 - dielectric_.remap(exact, eta);
+  if (parameters_.film_strength > 0)
+    passed = glm::mix(passed, dvec3(1 - largest(parameters_.film.reflectance(dielectric_.f0, thin_cosine))),
+                      parameters_.film_strength);
+  return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color * passed;
 }
 
 double Bsdf::reflection_probability(double cos_facet, double eta) const {
@@ -206,16 +250,28 @@ double Bsdf::reflection_probability(double cos_facet, double eta) const {
 }
 
 double Bsdf::reflection_probability(double cos_facet, double exact, double eta) const {
-  const double reflected = luminance(parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
-                                     (1 - parameters_.metallic) * dielectric_.remap(exact, eta));
-  const double transmitted = luminance(transmittance(exact, eta));
+  double reflected = luminance(parameters_.metallic * fresnel_metal(parameters_.base_color, cos_facet) +
+                               (1 - parameters_.metallic) * dielectric_.remap(exact, eta));
+  const dvec3 clear = (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color;
+  double transmitted = luminance(clear * (1.0 - dielectric_.remap(exact, eta)));
+  if (parameters_.film_strength > 0) {
+    const double position = std::max(dielectric_.position(exact, eta), std::pow(1 - cos_facet, 5));
+    reflected = chosen_reflection(cos_facet, position);
+    transmitted = chosen_base(clear, position);
+  }
   return reflected > 0 ? reflected / (reflected + transmitted) : 0;
 }
 
 dvec3 Bsdf::diffuse_value(const dvec3& wo, const dvec3& wi, double eta) const {
   if (is_in_relief_shadow_) return dvec3(0);
-  return diffuse_scale_[eta != parameters_.ior] * diffuse_transmittance(wi.z, eta) *
-         diffuse_transmittance(wo.z, eta);
+  const dvec3 plain = diffuse_scale_[eta != parameters_.ior] * diffuse_transmittance(wi.z, eta) *
+                      diffuse_transmittance(wo.z, eta);
+  if (parameters_.film_strength == 0) return plain;
+  const auto passage = [&](double cosine) {
+    return parameters_.film.passage(dielectric_.f0, thin_cosine(cosine, eta), own_alpha_, eta < 1);
+  };
+  return glm::mix(plain, diffuse_albedo_ / pi * std::min(passage(wo.z), passage(wi.z)),
+                  parameters_.film_strength);
 }
 
 /// D G2 / (4 cos_i cos_o), both directions above the surface.
@@ -232,7 +288,8 @@ dvec3 Bsdf::refraction_value(const dvec3& wo, const dvec3& wi, double eta, Trans
                      masking_shadowing(surface_, wi, wo, h, Scattering::Transmission);
   const double importance =
       d_g * dot(wo, h) * refraction_jacobian(wo, wi, h, eta) / (std::abs(wi.z) * std::abs(wo.z));
-  return transmittance(fresnel_of_refraction(wo, wi, h, eta), eta) *
+  const double thin = eta < 1 ? -dot(wi, h) : dot(wo, h);
+  return transmittance(fresnel_of_refraction(wo, wi, h, eta), thin, eta) *
          (mode == TransportMode::Radiance ? importance / (eta * eta) : importance);
 }
 
@@ -326,8 +383,9 @@ dvec3 Bsdf::interface_value(const dvec3& wo_material, const dvec3& wi_material, 
   if (is_delta() || parameters_.transmission == 0) return dvec3(0);
   if (parameters_.is_volume) return dielectric_gain(camera_z) * refraction_value(wo, wi, eta, mode);
   const dvec3 wi_mirrored = mirror_z(wi);
+  const double cosine = dot(wo, reflection_half_vector(wo, wi_mirrored));
   return dielectric_gain(camera_z) *
-         transmittance(fresnel_dielectric(dot(wo, reflection_half_vector(wo, wi_mirrored)), eta), eta) *
+         transmittance(fresnel_dielectric(cosine, eta), thin_cosine(cosine, eta), eta) *
          mirror_lobe_value(wo, wi_mirrored);
 }
 
@@ -335,6 +393,15 @@ Bsdf::Shares Bsdf::shares(const dvec3& w) const {
   const double cosine = std::abs(w.z);
   const dvec3 reflected = base_reflectance(cosine, relative_index(w));
   const dvec3 clear = (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color;
+  if (parameters_.film_strength > 0) {
+    const double eta = relative_index(w), share = cover_share_[eta < 1];
+    double position = dielectric_.position(fresnel_dielectric(cosine, eta), eta);
+    if (share > 0)
+      position = std::lerp(position, std::max(cover(cosine, eta).y, dielectric_.lowest_position()), share);
+    position = std::max(position, std::pow(1 - cosine, 5));
+    return {chosen_base(diffuse_albedo_, position),
+            chosen_reflection(cosine, position) + chosen_base(clear, position)};
+  }
   return {luminance(diffuse_albedo_ * (1.0 - reflected)),
           luminance(parameters_.metallic * fresnel_metal(parameters_.base_color, cosine) +
                     (1 - parameters_.metallic) * reflected) +
@@ -431,7 +498,8 @@ BsdfSample Bsdf::sample_delta(const dvec3& wo, double eta, double p_diffuse, boo
   } else {
     result.wi = parameters_.is_volume ? refract_at(wo, normal, eta) : -wo;
     const double scale = parameters_.is_volume && mode == TransportMode::Radiance ? 1 / (eta * eta) : 1;
-    result.weight = transmittance(fresnel_dielectric(wo.z, eta), eta) * scale / result.pdf_forward;
+    result.weight = transmittance(fresnel_dielectric(wo.z, eta), thin_cosine(wo.z, eta), eta) * scale /
+                    result.pdf_forward;
   }
   result.is_valid = result.pdf_forward > 0;
   return result;
@@ -471,8 +539,10 @@ BsdfSample Bsdf::coated_delta(const dvec3& wo, BsdfSample sample, TransportMode 
     const double scale = sample.is_transmitted && parameters_.is_volume && mode == TransportMode::Radiance
                              ? 1 / (eta * eta)
                              : 1;
-    factor = (sample.is_transmitted ? transmittance(fresnel_dielectric(std::abs(wo.z), eta), eta) * scale
-                                    : reflectance(std::abs(wo.z), eta)) *
+    const double cosine = std::abs(wo.z);
+    factor = (sample.is_transmitted
+                  ? transmittance(fresnel_dielectric(cosine, eta), thin_cosine(cosine, eta), eta) * scale
+                  : reflectance(cosine, eta)) *
              sheen_passage(wo, wi) * ((1 - coat_reflectance(wo)) * (1 - coat_reflectance(wi)));
   }
   if (is_coat_delta() && !sample.is_transmitted && (sample.is_coat || !is_alone)) {

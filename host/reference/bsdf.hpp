@@ -12,6 +12,7 @@
 
 #include "reference/energy.hpp"
 #include "reference/fresnel.hpp"
+#include "reference/iridescence.hpp"
 #include "reference/microfacet.hpp"
 #include "reference/sampling.hpp"
 #include "reference/sheen.hpp"
@@ -38,6 +39,8 @@ struct BsdfParameters {
   glm::dvec3 sheen_color = glm::dvec3(0);  ///< KHR_materials_sheen
   double sheen_roughness = 1;              ///< perceptual
   const SheenTable* sheen = nullptr;       ///< null: there is none
+  double film_strength = 0;                ///< share that a thin film covers (KHR_materials_iridescence)
+  ThinFilm film;
   bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
@@ -97,6 +100,10 @@ class Bsdf {
   /// Probability of the diffuse lobe seen from wo.
   double diffuse_probability(const glm::dvec3& wo) const;
 
+  /// Probability of reflection, not transmission, at a facet whose cosine is this on the side of index 1 /
+  /// eta.
+  double reflection_probability(double cos_facet, double eta) const;
+
   /// Relative index n(other side) / n(side of w) that a direction w sees.
   double relative_index(const glm::dvec3& w) const;
 
@@ -150,6 +157,14 @@ class Bsdf {
 
  private:
   glm::dvec3 reflectance(double cos_facet, double eta) const;  // F_r
+  /// F_r with the film, by that without it. thin_cosine: on the thin side of the interface.
+  glm::dvec3 film_over(const glm::dvec3& plain, double thin_cosine, const glm::dvec3& metal_gain,
+                       double dielectric_gain) const;
+  /// Luminances by which a walk chooses where there is a film: what is reflected, and of the rest what a base
+  /// of this colour gets. The film counts with its mean over thicknesses: at normal incidence, and by the
+  /// Fresnel position from there to all.
+  double chosen_reflection(double cosine, double position) const;
+  double chosen_base(const glm::dvec3& color, double position) const;
   /// What energy compensation multiplies a rough lobe with, for the side and cosine of the camera's direction
   /// (its z in the material's frame): dielectric reflection and all transmission by one factor, metal by
   /// another.
@@ -188,9 +203,8 @@ class Bsdf {
     double sheen, diffuse, facets;
   };
   Layers layers(const glm::dvec3& w) const;
-  /// (1 - m) t base (1 - F_d). `exact`: reflectance of the bare interface, as is
-  glm::dvec3 transmittance(double exact, double eta) const;
-  double reflection_probability(double cos_facet, double eta) const;
+  /// (1 - m) t base (1 - F_d). `exact`: reflectance of the bare interface at `thin_cosine`
+  glm::dvec3 transmittance(double exact, double thin_cosine, double eta) const;
   double reflection_probability(double cos_facet, double exact, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
   glm::dvec3 from_coat(const glm::dvec3& w, bool is_back) const;
@@ -216,7 +230,8 @@ class Bsdf {
   uint32_t energy_index_ = 0;  // of the tables for this index of refraction
   bool is_in_relief_shadow_ = false;
   double base_scale_ = 1, coat_scale_ = 1;  // of the microfacet lobes' values
-  double energy_roughness_ = 0;             // of the material itself, also where a lobe is raised
+  glm::dvec2 own_alpha_ = glm::dvec2(0);    // of the material itself, also where a lobe is raised
+  double energy_roughness_ = 0;             // likewise
   // Of parameters_.cover in the base's light, likewise, from outside and from inside.
   std::array<double, 2> cover_share_{};
   glm::dvec3 diffuse_albedo_;  // (1 - m) (1 - t) base

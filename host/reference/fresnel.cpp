@@ -46,15 +46,22 @@ SpecularDielectric SpecularDielectric::make(double eta, double specular, const d
 }
 
 dvec3 SpecularDielectric::remap(double exact, double eta) const {
+  return at_position(position(exact, eta));
+}
+
+double SpecularDielectric::lowest_position() const {
+  const double darkest = std::min({f0.x, f0.y, f0.z});
+  return -darkest / std::max(f90 - darkest, 1e-6);
+}
+
+double SpecularDielectric::position(double exact, double eta) const {
   const double normal = fresnel_normal_incidence(eta);
-  return at_position((exact - normal) / (1 - normal));
+  return std::max((exact - normal) / (1 - normal), lowest_position());
 }
 
 dvec3 SpecularDielectric::at_position(double position) const {
   // Above n = 2 + sqrt(3) the exact curve dips below normal incidence near Brewster's angle.
-  const double darkest = std::min({f0.x, f0.y, f0.z});
-  const double lowest = -darkest / std::max(f90 - darkest, 1e-6);
-  return glm::mix(f0, dvec3(f90), std::max(position, lowest));
+  return glm::mix(f0, dvec3(f90), std::max(position, lowest_position()));
 }
 
 dvec3 SpecularDielectric::reflectance(double cos_incident, double eta) const {

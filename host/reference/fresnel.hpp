@@ -29,6 +29,12 @@ struct SpecularDielectric {
   /// The mapping for a relative index `eta` (either side of the interface gives the same).
   static SpecularDielectric make(double eta, double specular, const glm::dvec3& specular_color);
 
+  /// Position at which the darkest channel becomes 0.
+  double lowest_position() const;
+
+  /// Position of an exact reflectance for index `eta`, not below the lowest.
+  double position(double exact, double eta) const;
+
   /// Reflectance at a Fresnel position, from 0 at normal incidence to 1 at grazing.
   glm::dvec3 at_position(double position) const;
 

@@ -220,6 +220,12 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
     p.sheen_roughness = sheen_roughness(material.sheen_roughness *
                                         texture_at(material.sheen_roughness_texture, surface.uv).a);
   }
+  if (material.iridescence > 0) {
+    const double share = texture_at(material.iridescence_thickness_texture, surface.uv).g;
+    const glm::dvec2 range(material.iridescence_thickness);
+    p.film_strength = material.iridescence * texture_at(material.iridescence_texture, surface.uv).r;
+    p.film = {material.iridescence_ior, range.x + share * (range.y - range.x)};
+  }
   p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
   p.specular = material.specular * texture_at(material.specular_texture, surface.uv).a;

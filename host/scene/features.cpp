@@ -85,11 +85,13 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
   uint32_t bits = specular_features(scene, material);
   if (has_rough_base(scene, material)) bits |= interface::FEATURE_ROUGH_BASE;
   if (material.sheen_color != glm::vec3(0)) bits |= interface::FEATURE_SHEEN;
+  if (material.iridescence > 0) bits |= interface::FEATURE_IRIDESCENCE;
   for (const uint32_t texture :
        {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
         material.clearcoat_normal_texture, material.anisotropy_texture, material.sheen_color_texture,
-        material.sheen_roughness_texture})
+        material.sheen_roughness_texture, material.iridescence_texture,
+        material.iridescence_thickness_texture})
     if (texture != INVALID_INDEX) bits |= interface::FEATURE_TEXTURES;
   if (material.specular_texture != INVALID_INDEX || material.specular_color_texture != INVALID_INDEX)
     bits |= interface::FEATURE_SPECULAR_TEXTURES | interface::FEATURE_TEXTURES;
@@ -184,6 +186,7 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_ENVIRONMENT_MAP, "environment_map", "look-ups and sampling of a map"},
       FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
       FeatureDescription{FEATURE_SHEEN, "sheen", "the lobe of fibres on cloth"},
+      FeatureDescription{FEATURE_IRIDESCENCE, "iridescence", "thin films and their colours"},
       FeatureDescription{FEATURE_COAT_NORMALS, "coat_normals", "clearcoats whose normal is not the base's"},
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",

@@ -25,6 +25,8 @@ constexpr double USUAL_IOR = 1.5;
 constexpr double INFINITE_IOR = 1e6;
 // From here on an index stands for an infinite one (glTF-Transform writes 1000).
 constexpr double LEAST_INFINITE_IOR = 100;
+// nm: thicker films have no colours left at any index, and look like this one.
+constexpr float THICKEST_FILM = 1e5f;
 constexpr uint32_t ALPHA_FLAGS = interface::MATERIAL_ALPHA_MASK | interface::MATERIAL_ALPHA_BLEND;
 
 bool is_unlit(const tinygltf::Material& material) {
@@ -37,7 +39,8 @@ uint32_t classify(const interface::Material& material) {
   if (material.transmission > 0) return interface::MATERIAL_CLASS_TRANSMISSIVE;
   const bool can_be_metal = material.metallic > 0;  // the texture only scales it
   const bool reflects = material.specular > 0 && material.ior != 1.0f;
-  return can_be_metal || reflects || material.clearcoat > 0 || material.sheen_color != glm::vec3(0)
+  return can_be_metal || reflects || material.clearcoat > 0 || material.sheen_color != glm::vec3(0) ||
+                 material.iridescence > 0
              ? interface::MATERIAL_CLASS_OPAQUE
              : interface::MATERIAL_CLASS_DIFFUSE;
 }
@@ -64,6 +67,7 @@ class MaterialBuilder {
     set_emission(material);
     set_coat_and_anisotropy(material);
     set_sheen(material);
+    set_iridescence(material);
     if (is_unlit(source_)) make_unlit(material);
     return material;
   }
@@ -169,6 +173,19 @@ class MaterialBuilder {
     for (int i = 0; i < 3; ++i) material.sheen_color[i] = factor(tint[i], "sheenColorFactor");
   }
 
+  void set_iridescence(interface::Material& material) {
+    const Value* film = extension("KHR_materials_iridescence");
+    material.iridescence = factor(number(film, "iridescenceFactor", 0), "iridescenceFactor");
+    material.iridescence_ior =
+        in_range(number(film, "iridescenceIor", 1.3), 1, INFINITE_IOR, "iridescenceIor");
+    const auto thickness = [&](const char* member, double otherwise) {
+      const float whole = in_range(number(film, member, otherwise), 0, FLT_MAX, member);
+      return std::min(whole, THICKEST_FILM);
+    };
+    material.iridescence_thickness = {thickness("iridescenceThicknessMinimum", 100),
+                                      thickness("iridescenceThicknessMaximum", 400)};
+  }
+
   /// The flags say what the file asks for; add_materials clears them where nothing is less than whole.
   void set_alpha(interface::Material& material) {
     material.alpha = factor(source_.pbrMetallicRoughness.baseColorFactor[3], "baseColorFactor alpha");
@@ -195,7 +212,7 @@ class MaterialBuilder {
     material.emission = material.base_color;
     material.base_color = material.specular_color = glm::vec3(0);
     material.metallic = material.specular = material.transmission = 0;
-    material.clearcoat = material.anisotropy = 0;
+    material.clearcoat = material.anisotropy = material.iridescence = 0;
     material.sheen_color = glm::vec3(0);
     material.absorption = glm::vec3(0);
     material.flags &= ALPHA_FLAGS;
@@ -276,6 +293,13 @@ class TextureSlots {
       material.sheen_roughness_texture =
           data("KHR_materials_sheen", "sheenRoughnessTexture", "the sheen's roughness by its factor");
     }
+    if (material.iridescence > 0) {
+      material.iridescence_texture =
+          data("KHR_materials_iridescence", "iridescenceTexture", "no iridescence", &material.iridescence);
+      material.iridescence_thickness_texture =
+          data("KHR_materials_iridescence", "iridescenceThicknessTexture",
+               "the film as thick as its greatest thickness");
+    }
     if (material.anisotropy > 0)
       material.anisotropy_texture =
           data("KHR_materials_anisotropy", "anisotropyTexture", "no anisotropy", &material.anisotropy);
@@ -355,7 +379,8 @@ interface::Material untextured_material() {
         &material.specular_color_texture, &material.emissive_texture, &material.transmission_texture,
         &material.normal_texture, &material.alpha_texture, &material.clearcoat_texture,
         &material.clearcoat_roughness_texture, &material.clearcoat_normal_texture,
-        &material.anisotropy_texture, &material.sheen_color_texture, &material.sheen_roughness_texture})
+        &material.anisotropy_texture, &material.sheen_color_texture, &material.sheen_roughness_texture,
+        &material.iridescence_texture, &material.iridescence_thickness_texture})
     *texture = INVALID_INDEX;
   return material;
 }

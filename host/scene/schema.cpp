@@ -24,18 +24,29 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 22> KNOWN_EXTENSIONS = {
-    "EXT_lights_image_based",   "EXT_mesh_gpu_instancing",
-    "KHR_animation_pointer",    "EXT_meshopt_compression",
-    "EXT_texture_webp",         "KHR_draco_mesh_compression",
-    "KHR_lights_punctual",      "KHR_materials_emissive_strength",
-    "KHR_materials_anisotropy", "KHR_materials_clearcoat",
-    "KHR_materials_ior",        "KHR_materials_sheen",
-    "KHR_materials_specular",   "KHR_materials_transmission",
-    "KHR_materials_unlit",      "KHR_materials_volume",
-    "KHR_mesh_quantization",    "KHR_texture_transform",
-    "KHR_materials_variants",   "KHR_materials_pbrSpecularGlossiness",
-    "KHR_meshopt_compression",  "KHR_node_visibility"};
+constexpr std::array<std::string_view, 23> KNOWN_EXTENSIONS = {"EXT_lights_image_based",
+                                                               "EXT_mesh_gpu_instancing",
+                                                               "KHR_animation_pointer",
+                                                               "EXT_meshopt_compression",
+                                                               "EXT_texture_webp",
+                                                               "KHR_draco_mesh_compression",
+                                                               "KHR_lights_punctual",
+                                                               "KHR_materials_emissive_strength",
+                                                               "KHR_materials_anisotropy",
+                                                               "KHR_materials_clearcoat",
+                                                               "KHR_materials_ior",
+                                                               "KHR_materials_iridescence",
+                                                               "KHR_materials_sheen",
+                                                               "KHR_materials_specular",
+                                                               "KHR_materials_transmission",
+                                                               "KHR_materials_unlit",
+                                                               "KHR_materials_volume",
+                                                               "KHR_mesh_quantization",
+                                                               "KHR_texture_transform",
+                                                               "KHR_materials_variants",
+                                                               "KHR_materials_pbrSpecularGlossiness",
+                                                               "KHR_meshopt_compression",
+                                                               "KHR_node_visibility"};
 
 enum class Kind {
   Index,          // non-negative integer below the length of the array `target`
@@ -107,6 +118,10 @@ const std::map<std::string_view, Rule>& rules() {
       {"clearcoatRoughnessFactor", {Kind::Number}},
       {"anisotropyStrength", {Kind::Number}},
       {"sheenRoughnessFactor", {Kind::Number}},
+      {"iridescenceFactor", {Kind::Number}},
+      {"iridescenceIor", {Kind::Number}},
+      {"iridescenceThicknessMinimum", {Kind::Number}},
+      {"iridescenceThicknessMaximum", {Kind::Number}},
       {"anisotropyRotation", {Kind::Number}},
       {"glossinessFactor", {Kind::Number}},
       {"intensity", {Kind::Number}},
@@ -156,6 +171,8 @@ const std::map<std::string_view, Rule>& rules() {
       {"anisotropyTexture", {Kind::Object}},
       {"sheenColorTexture", {Kind::Object}},
       {"sheenRoughnessTexture", {Kind::Object}},
+      {"iridescenceTexture", {Kind::Object}},
+      {"iridescenceThicknessTexture", {Kind::Object}},
       {"diffuseTexture", {Kind::Object}},
       {"specularGlossinessTexture", {Kind::Object}},
       {"perspective", {Kind::Object}},

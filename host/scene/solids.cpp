@@ -384,7 +384,7 @@ bool is_clear(const interface::Material& m) {
                                  m.specular_color_texture, m.transmission_texture, m.normal_texture})
     if (texture != INVALID_INDEX) return false;
   return m.base_color == glm::vec3(1) && m.metallic == 0 && m.transmission == 1 && m.clearcoat == 0 &&
-         m.sheen_color == glm::vec3(0) && (m.flags & interface::MATERIAL_EMISSIVE) == 0;
+         m.sheen_color == glm::vec3(0) && m.iridescence == 0 && (m.flags & interface::MATERIAL_EMISSIVE) == 0;
 }
 
 /// Materials between whose solids light passes as if there was nothing: the same one, or clear ones of the

@@ -58,7 +58,9 @@ std::vector<UvMapping> mappings_of(const tinygltf::Material& material) {
           {"KHR_materials_clearcoat", "clearcoatNormalTexture"},
           {"KHR_materials_anisotropy", "anisotropyTexture"},
           {"KHR_materials_sheen", "sheenColorTexture"},
-          {"KHR_materials_sheen", "sheenRoughnessTexture"}})
+          {"KHR_materials_sheen", "sheenRoughnessTexture"},
+          {"KHR_materials_iridescence", "iridescenceTexture"},
+          {"KHR_materials_iridescence", "iridescenceThicknessTexture"}})
       uses.push_back(texture_use(material, extension, texture));
   }
   std::vector<UvMapping> mappings;

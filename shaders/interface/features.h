@@ -19,6 +19,7 @@ REGULUS_CONSTANT FEATURE_TWO_SIDED_LIGHTS = 512u;  // some emissive triangle emi
 REGULUS_CONSTANT FEATURE_CLIPPING = 1u << 12;      // some camera has a clipping plane that hides something
 REGULUS_CONSTANT FEATURE_LIGHT_RANGES = 1u << 13;  // some point or spot light ends at a distance; implies POINT_LIGHTS
 REGULUS_CONSTANT FEATURE_SHEEN = 1u << 14;         // some material has sheen
+REGULUS_CONSTANT FEATURE_IRIDESCENCE = 1u << 15;   // some material has a thin film
 REGULUS_CONSTANT FEATURE_VERTEX_COLORS = 1u << 16;  // some vertex has a colour
 REGULUS_CONSTANT FEATURE_NORMAL_MAPS = 1u << 17;    // some material has a normal map; implies SMOOTH_NORMALS, TEXTURES
 REGULUS_CONSTANT FEATURE_ENVIRONMENT = 1024u;      // light from all directions

@@ -132,8 +132,13 @@ struct Material {
   float sheen_roughness;            // perceptual
   uint sheen_color_texture;         // RGB
   uint sheen_roughness_texture;     // A
+  float iridescence;                // strength of a thin film, [0, 1]; 0: there is none
+  float iridescence_ior;            // of the film, >= 1
+  vec2 iridescence_thickness;       // nm, where the texture is 0 and where it is 1
+  uint iridescence_texture;         // R
+  uint iridescence_thickness_texture;  // G
 };
-REGULUS_LAYOUT(Material, 184);
+REGULUS_LAYOUT(Material, 208);
 
 // Wrap modes (glTF sampler), filters and coordinates, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

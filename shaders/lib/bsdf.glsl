@@ -175,6 +175,7 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   lobes.diffuse =
       bsdf.diffuse * base_transmittance(bsdf, passage_o) * base_transmittance(bsdf, passage_i) * same_side;
+  if (bsdf_has_film() && same_side > 0.0) lobes.diffuse = film_diffuse(bsdf, lobes.diffuse * PI, cos_o, cos_i) * INV_PI;
   lobes.diffuse_forward =
       diffuse_o * diffuse_density(bsdf, cos_i, sheen_share(bsdf, cos_o, s_o, bsdf.sheen.here)) * same_side;
   lobes.diffuse_reverse = diffuse_i * diffuse_density(bsdf, cos_o, sheen_share(bsdf, cos_i, s_i, sheen_i)) * same_side;
@@ -206,11 +207,16 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   }
   bool is_rough = facet.is_valid && bsdf.alpha.x > 0.0;
   lobes.density = is_rough ? min(lobes.terms.density * lobes.density_scale, MAX_DENSITY) : 0.0;
+  float film_c = 0.0;
+  if (bsdf_has_film()) film_c = film_cosine(bsdf, facet.o_dot_h, g, bsdf.excess);
   lobes.weight = interface_reflectance(bsdf, s, k);
+  if (bsdf_has_film()) lobes.weight = film_reflectance(bsdf, lobes.weight, film_c, vec3(1.0), 1.0);
   if (compensates_energy())
-    lobes.weight = compensated_reflectance(bsdf, s, k, lobes.camera_cosine, lobes.is_camera_inside);
+    lobes.weight = compensated_reflectance(bsdf, s, k, lobes.camera_cosine, lobes.is_camera_inside, film_c);
   if (bsdf_has_transmission() && facet.is_transmitted) {
-    lobes.weight = bsdf.transmission * dielectric_transmittance(bsdf, s);
+    vec3 passed = dielectric_transmittance(bsdf, s);
+    if (bsdf_has_film()) passed = film_refraction(bsdf, passed, film_c);
+    lobes.weight = bsdf.transmission * passed;
     if (compensates_energy())
       lobes.weight /= bsdf.is_thin ? energy_reflected(bsdf.energy, lobes.camera_cosine)
                                    : energy_scattered(bsdf.energy, lobes.camera_cosine, lobes.is_camera_inside);
@@ -372,9 +378,14 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, floa
       bsdf_has_coat() ? reflection_probability(bsdf, event.position, wo.z) : event.probability;
   if (bsdf_has_coat() && event.facet.is_transmitted) reflect_o = event.probability;
   BsdfEval eval;
+  float film_c = 0.0;
+  if (bsdf_has_film()) film_c = film_cosine(bsdf, wo.z, refracted_g(wo.z, bsdf.excess), bsdf.excess);
   eval.value = interface_reflectance(bsdf, event.position, schlick_weight(wo.z));
+  if (bsdf_has_film()) eval.value = film_reflectance(bsdf, eval.value, film_c, vec3(1.0), 1.0);
   if (bsdf_has_transmission() && event.facet.is_transmitted) {
-    eval.value = bsdf.transmission * dielectric_transmittance(bsdf, event.position);
+    vec3 passed = dielectric_transmittance(bsdf, event.position);
+    if (bsdf_has_film()) passed = film_refraction(bsdf, passed, film_c);
+    eval.value = bsdf.transmission * passed;
     if (event.facet.is_refracted && transport == TRANSPORT_RADIANCE) eval.value *= bsdf.inverse_eta_squared;
     reflect_i = 1.0 - reflect_i;
   }

@@ -5,6 +5,7 @@
 
 #include "lib/cover.glsl"
 #include "lib/fresnel.glsl"
+#include "lib/lobes/iridescence.glsl"
 #include "lib/lobes/sheen.glsl"
 #include "lib/ndf.glsl"
 #include "lib/sampling.glsl"
@@ -74,6 +75,7 @@ struct Bsdf {
   bool is_solid;         // the material refracts; only with compensates_energy()
   vec3 geometric_normal; // local, on the side of wo; z where no relief shadows the base; only with bsdf_has_relief()
   Sheen sheen;           // only with bsdf_has_sheen()
+  Film film;             // only with bsdf_has_film()
   vec2 cover;            // share of the rough interface's own albedo in what the base gets, from outside and from inside a
                          // solid (lib/cover.glsl)
 };
@@ -134,6 +136,13 @@ float transmitted_luminance(Bsdf bsdf, vec2 position) {
   return bsdf_has_transmission() ? bsdf.transmitted_luminance.x + position.y * bsdf.transmitted_luminance.y : 0.0;
 }
 
+// The Fresnel position by which a walk chooses between lobes at cosine c. A film reflects all light at grazing whatever lies
+// below it, so there it is at least Schlick's weight.
+vec2 choice_position(Bsdf bsdf, vec2 position, float c) {
+  if (!bsdf_has_film() || !(bsdf.film.strength > 0.0)) return position;
+  return vec2(max(position.x, schlick_weight(c)), min(position.y, schlick_rest(c)));
+}
+
 // A direction in the clearcoat's own frame: z is its normal on the side of wo.
 vec3 to_coat(Bsdf bsdf, vec3 w) {
   if (!bsdf_has_coat_normal()) return w;
@@ -160,16 +169,16 @@ float coat_cosine(Bsdf bsdf, vec3 w) {
 // Share of light that a clearcoat of this weight reflects at cosine c.
 float coat_reflectance(float weight, float c) { return weight * (COAT_F0 + (1.0 - COAT_F0) * schlick_weight(c)); }
 
-// The share that it lets pass, accurate also at grazing, where that is little: 1 - (1 - c)^5 is evaluated by its factor c.
+// The share that it lets pass, accurate also at grazing, where that is little.
 float coat_transmittance(float weight, float c) {
-  float schlick_rest = c * (5.0 + c * (-10.0 + c * (10.0 + c * (-5.0 + c))));
-  return (1.0 - weight) + weight * (1.0 - COAT_F0) * clamp(schlick_rest, 0.0, 1.0);
+  return (1.0 - weight) + weight * (1.0 - COAT_F0) * schlick_rest(c);
 }
 
 // Probabilities of sampling the coat and the base, in proportion to what each would reflect or transmit. The direction has
 // cosine c (coat_c: coat_cosine) and the base's Fresnel position `position`, on a side with a coat of this weight.
 vec2 coat_choice(Bsdf bsdf, float weight, float c, float coat_c, vec2 position) {
   float coat = coat_c > 0.0 ? coat_reflectance(weight, coat_c) : 0.0;
+  position = choice_position(bsdf, position, c);
   float base = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y +
                reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
   float below = coat_transmittance(weight, abs(coat_c)) * max(base, 0.0);
@@ -187,6 +196,7 @@ struct SheenLayers {
 SheenLayers sheen_layers(Bsdf bsdf, float c, vec2 position, float largest) {
   float albedo = min(sheen_albedo(bsdf.sheen, c, largest), 1.0);
   float passed = 1.0 - largest * albedo;
+  position = choice_position(bsdf, position, c);
   float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
   return SheenLayers(albedo * dot(bsdf.sheen.color, LUMINANCE), passed * max(diffuse, 0.0), passed);
 }
@@ -195,6 +205,7 @@ SheenLayers sheen_layers(Bsdf bsdf, float c, vec2 position, float largest) {
 // side with sheen of this largest component.
 float diffuse_probability(Bsdf bsdf, float c, vec2 position, float sheen) {
   if (!bsdf_has_specular()) return 1.0;
+  position = choice_position(bsdf, position, c);
   float diffuse = bsdf.diffuse_luminance.x + position.y * bsdf.diffuse_luminance.y;
   float specular = reflected_luminance(bsdf, position, schlick_weight(c)) + transmitted_luminance(bsdf, position);
   if (bsdf_has_sheen()) {
@@ -208,9 +219,58 @@ float diffuse_probability(Bsdf bsdf, float c, vec2 position, float sheen) {
 // Probability of reflection at a facet: c is the cosine with the facet normal of the side it is seen from.
 float reflection_probability(Bsdf bsdf, vec2 position, float c) {
   if (!bsdf_has_transmission()) return 1.0;
+  position = choice_position(bsdf, position, c);
   float reflected = reflected_luminance(bsdf, position, schlick_weight(c));
   float transmitted = transmitted_luminance(bsdf, position);
   return transmitted > 0.0 ? reflected / (reflected + transmitted) : 1.0;
+}
+
+// Cosine on the thin side of the interface: of a direction with cosine c that sees `excess`, whose refracted_g is g.
+float film_cosine(Bsdf bsdf, float c, float g, float excess) { return excess < 0.0 ? min(g * bsdf.inverse_eta, 1.0) : c; }
+
+// F_r under the film. plain: without it; *_gain: of energy compensation.
+vec3 film_reflectance(Bsdf bsdf, vec3 plain, float c, vec3 metal_gain, float dielectric_gain) {
+  if (!(bsdf.film.strength > 0.0)) return plain;
+  vec3 covered = vec3(0.0);
+  if (bsdf.metallic > 0.0) covered += bsdf.metallic * metal_gain * (1.0 - film_transmittance(bsdf.film, bsdf.film.metal, c));
+  if (bsdf.metallic < 1.0)
+    covered += (1.0 - bsdf.metallic) * dielectric_gain * (1.0 - film_transmittance(bsdf.film, bsdf.f0, c));
+  return mix(plain, covered, bsdf.film.strength);
+}
+
+// What passes into the dielectric, for 1 - F_d without the film.
+vec3 film_refraction(Bsdf bsdf, vec3 plain, float c) {
+  if (!(bsdf.film.strength > 0.0)) return plain;
+  return mix(plain, vec3(least_component(film_transmittance(bsdf.film, bsdf.f0, c))), bsdf.film.strength);
+}
+
+// Value of the diffuse lobe, times pi.
+vec3 film_diffuse(Bsdf bsdf, vec3 plain, float cos_o, float cos_i) {
+  if (!(bsdf.film.strength > 0.0)) return plain;
+  bool is_inside = bsdf.excess < 0.0;
+  float passed_o = film_passage(bsdf.film, bsdf.f0, film_cosine(bsdf, cos_o, refracted_g(cos_o, bsdf.excess), bsdf.excess),
+                                bsdf.alpha, is_inside);
+  float passed_i = film_passage(bsdf.film, bsdf.f0, film_cosine(bsdf, cos_i, refracted_g(cos_i, bsdf.excess), bsdf.excess),
+                                bsdf.alpha, is_inside);
+  return mix(plain, bsdf.film.albedo * min(passed_o, passed_i), bsdf.film.strength);
+}
+
+// Puts the film on a bsdf. A walk chooses between lobes by what the film reflects on average over thicknesses: at normal
+// incidence, and by the Fresnel position from there to all of the light at grazing.
+void add_film(Material material, vec3 albedo, inout Bsdf bsdf) {
+  bsdf.film = Film(material.iridescence, max(material.iridescence_ior, 1.0), material.iridescence_thickness.y,
+                   material.base_color, albedo);
+  if (!(bsdf.film.strength > 0.0)) return;
+  float metal = dot(film_mean(bsdf.film, bsdf.film.metal), LUMINANCE);
+  vec3 mean = film_mean(bsdf.film, bsdf.f0);
+  float dielectric = dot(mean, LUMINANCE);
+  float least = least_component(film_faces(bsdf.film, bsdf.f0, 1.0).passed);
+  float rest = 1.0 - bsdf.metallic;
+  vec3 reflected = vec3(bsdf.metallic * metal + rest * dielectric, bsdf.metallic * (1.0 - metal), rest * (1.0 - dielectric));
+  float strength = bsdf.film.strength;
+  bsdf.reflected_luminance = mix(bsdf.reflected_luminance, reflected, strength);
+  bsdf.diffuse_luminance = mix(bsdf.diffuse_luminance, vec2(0.0, least * dot(albedo, LUMINANCE)), strength);
+  bsdf.transmitted_luminance = mix(bsdf.transmitted_luminance, vec2(0.0, least * dot(bsdf.transmission, LUMINANCE)), strength);
 }
 
 // The bsdf of a material whose textures have been applied, seen from its front or back face.
@@ -280,6 +340,7 @@ Bsdf make_bsdf(Material material, bool is_front) {
                                   dielectric_share * dot(range, LUMINANCE));
   bsdf.transmitted_luminance =
       vec2((1.0 - bsdf.f90) * dot(bsdf.transmission, LUMINANCE), dot(bsdf.transmission * range, LUMINANCE));
+  if (bsdf_has_film()) add_film(material, albedo, bsdf);
   return bsdf;
 }
 
@@ -365,12 +426,14 @@ vec2 rough_position(Bsdf bsdf, float cosine, vec2 position) {
   return vec2(max(position.x + more, bsdf.min_position), min(position.y - more, 1.0 - bsdf.min_position));
 }
 
-// F_r as energy compensation scales it.
-vec3 compensated_reflectance(Bsdf bsdf, vec2 position, float k, float cosine, bool is_inside) {
+// F_r as energy compensation scales it. film_c: cosine as film_reflectance takes it.
+vec3 compensated_reflectance(Bsdf bsdf, vec2 position, float k, float cosine, bool is_inside, float film_c) {
   float kept = bsdf.is_solid ? energy_scattered(bsdf.energy, cosine, is_inside) : energy_reflected(bsdf.energy, cosine);
   vec3 color = bsdf.metal / max(bsdf.metallic, 1e-6);
-  return (bsdf.metal + k * (bsdf.metallic - bsdf.metal)) * metal_compensation(bsdf.energy, cosine, color) +
-         (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position) / kept;
+  vec3 metal_gain = metal_compensation(bsdf.energy, cosine, color);
+  vec3 plain = (bsdf.metal + k * (bsdf.metallic - bsdf.metal)) * metal_gain +
+               (1.0 - bsdf.metallic) * dielectric_reflectance(bsdf, position) / kept;
+  return bsdf_has_film() ? film_reflectance(bsdf, plain, film_c, metal_gain, 1.0 / kept) : plain;
 }
 
 #endif

@@ -44,6 +44,9 @@ float schlick_weight(float c) {
   return square(square(m)) * m;
 }
 
+// 1 - (1 - c)^5 by its factor c, accurate also at grazing, where it is little.
+float schlick_rest(float c) { return clamp(c * (5.0 + c * (-10.0 + c * (10.0 + c * (-5.0 + c)))), 0.0, 1.0); }
+
 // How far, from 0 at normal incidence to 1 at grazing, the cosine-weighted mean of the exact reflectance lies:
 // (F_avg - F_0) / (1 - F_0) for light that comes from outside. Error below 1e-5 for ior in [1, 10], below
 // 2e-3 beyond. x = (ior - 1) / (ior + 1).

@@ -87,6 +87,11 @@ void apply_textures(Frame frame, TextureCoordinates uv, vec4 color, inout Materi
     material.sheen_color *= sample_color_texture(frame, material.sheen_color_texture, uv).rgb;
     material.sheen_roughness *= sample_texture(frame, material.sheen_roughness_texture, uv).a;
   }
+  if ((spec_features & FEATURE_IRIDESCENCE) != 0u) {
+    material.iridescence *= sample_texture(frame, material.iridescence_texture, uv).r;
+    vec2 range = material.iridescence_thickness;
+    material.iridescence_thickness.y = mix(range.x, range.y, sample_texture(frame, material.iridescence_thickness_texture, uv).g);
+  }
   if (spec_material_class == MATERIAL_CLASS_TRANSMISSIVE)
     material.transmission *= sample_texture(frame, material.transmission_texture, uv).r;
 }

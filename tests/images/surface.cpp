@@ -261,6 +261,30 @@ TEST_F(Surfaces, SheenReflectsWhatItsFormulasSay) {
   }
 }
 
+// Smooth films on metal and over a black base, seen at 60 degrees in a room that shines everywhere: the
+// appendix of KHR_materials_iridescence by a program of its own. The metal's film has its thickness, 150 + .6
+// * 500 nm, from the green of a texture.
+TEST_F(Surfaces, FilmsHaveTheColoursOfTheirAppendix) {
+  constexpr double ABSOLUTE = 3e-5;  // 60 roundings of phases of up to 30 rad
+  const auto expect_seen = [](GltfScene& scene, const json& material, const dvec3& known) {
+    Corners corners;
+    corners.uvs = SQUARE_UVS;
+    scene.add({SQUARE}, material, glm::dmat4(1), corners);
+    scene.add(turned(box({-9, -9, -9}, {9, 9, 9})), emitter({1, 1, 1}));
+    scene.set_orthographic(look_at({0.1 * std::sqrt(0.75), 0, 0.05}, {0, 0, 0}), 0.01, 0.01);
+    const image::Image found = render(prepare(scene), point_sampled(4, 4, 2)).image;
+    for (size_t i = 0; i < found.rgb.size(); ++i)
+      EXPECT_NEAR(found.rgb[i], known[static_cast<int>(i % 3)], ABSOLUTE) << i;
+  };
+  GltfScene of_metal, of_black;
+  json gold = filmed(metal({0.9, 0.7, 0.5}, 0), 1.8, 650);
+  json& film = gold["extensions"]["KHR_materials_iridescence"];
+  film["iridescenceThicknessMinimum"] = 150;
+  film["iridescenceThicknessTexture"] = {{"index", of_metal.add_texture(1, {255, 153, 0, 255}, true)}};
+  expect_seen(of_metal, gold, {0.747362788, 0.452796450, 0.450551847});
+  expect_seen(of_black, filmed(plastic({0, 0, 0}, 0), 2, 350), {0.000868630, 0.208777486, 0.136762404});
+}
+
 // A smooth coat over black, whose own normal turns what it reflects away from the camera: onto the one wall
 // of a room that shines, with the share that Schlick's F has at that normal. The base's normal has no say.
 TEST_F(Surfaces, ClearcoatsHaveTheirOwnNormals) {

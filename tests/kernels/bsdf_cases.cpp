@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 #include "render/energy_tables.hpp"
 #include "scene/sheen_table.hpp"
@@ -58,6 +59,8 @@ Inputs inputs_of(const BsdfCase& c, const Model& model) {
   p.clearcoat = m.clearcoat;
   p.coat_alpha = glm::dvec2(double{m.clearcoat_roughness * m.clearcoat_roughness});
   p.is_volume = (m.flags & MATERIAL_VOLUME) != 0;
+  p.film_strength = m.iridescence;
+  p.film = {std::max(m.iridescence_ior, 1.0f), m.iridescence_thickness.y};
   if (c.sheen != DeviceAddress(0) && m.sheen_color != vec3(0)) {
     static const reference::SheenTable table(scene::make_sheen_table());
     p.sheen = &table;
@@ -77,14 +80,8 @@ Evaluation evaluate(const Inputs& inputs) {
 
 /// Probabilities of reflection and of transmission at a facet seen under this cosine.
 dvec2 facet_choice(const Bsdf& bsdf, double cosine, double eta) {
-  const BsdfParameters& p = bsdf.parameters();
-  const dvec3 dielectric =
-      reference::SpecularDielectric::make(p.ior, p.specular, p.specular_color).reflectance(cosine, eta);
-  const double reflected = reference::luminance(p.metallic * reference::fresnel_metal(p.base_color, cosine) +
-                                                (1 - p.metallic) * dielectric);
-  const double transmitted =
-      reference::luminance((1 - p.metallic) * p.transmission * p.base_color * (1.0 - dielectric));
-  return dvec2(reflected, transmitted) / std::max(reflected + transmitted, 1e-300);
+  const double reflection = bsdf.reflection_probability(cosine, eta);
+  return {reflection, 1 - reflection};
 }
 
 }  // namespace
@@ -174,6 +171,11 @@ Material random_material(Kind kind, Random& random) {
     material.sheen_color = {number(0, 1), number(0.02, 1), number(0, 1)};
     material.sheen_roughness = number(0, 1);
   }
+  if (random.uniform() < 0.3) {
+    material.iridescence = random.uniform() < 0.5 ? 1 : number(0, 1);
+    material.iridescence_ior = number(1, 3);
+    material.iridescence_thickness = glm::vec2(number(0, 1200));
+  }
   if (kind == Kind::Mixed || kind == Kind::Coated) {
     material.metallic = number(0, 1);
     material.transmission = number(0.05, 1);
@@ -239,6 +241,15 @@ Evaluation conditioning(const BsdfCase& c, const Model& model, double ulps) {
     add_effect([axis](Inputs& i) -> double& { return i.parameters.coat_alpha[axis]; });
   // The density of sheen is a power of up to 1 / .07^2 of a sine that is known to a rounding or two.
   if (c.sheen != DeviceAddress(0)) sum.value += 0x1p-23 / (0.07 * 0.07) * base.value;
+  if (c.material.iridescence > 0) {
+    add_effect([](Inputs& i) -> double& { return i.parameters.film.ior; });
+    add_effect([](Inputs& i) -> double& { return i.parameters.film.thickness; });
+    Inputs bare = inputs, mirror = inputs;
+    bare.parameters.film_strength = mirror.parameters.film_strength = 0;
+    mirror.parameters.base_color = dvec3(1);
+    mirror.parameters.metallic = 1;
+    sum.value += FILM_ERROR * (evaluate(bare).value + evaluate(mirror).value);
+  }
   sum.pdf_forward += choice_error * base.pdf_forward;
   sum.pdf_reverse += choice_error * base.pdf_reverse;
   return sum;
@@ -276,6 +287,14 @@ std::vector<Material> extreme_materials(Kind kind) {
     cloth.sheen_roughness = roughness;
     materials.push_back(cloth);
   }
+  for (const auto& [ior, thickness] : {std::pair(1.0f, 300.0f), {1.5f, 0.0f}, {1e6f, 1e5f}})
+    for (const float roughness : {0.0f, 0.3f}) {
+      Material film = plain_material(kind, roughness);
+      film.iridescence = 1;
+      film.iridescence_ior = ior;
+      film.iridescence_thickness = glm::vec2(thickness);
+      materials.push_back(film);
+    }
   return materials;
 }
 

@@ -75,6 +75,10 @@ std::vector<interface::BsdfCase> extreme_cases(uint32_t material_class);
 /// address.
 gpu::Buffer cover_tables(const Model& model);
 
+/// Error of what a film reflects, as a share of what a mirror would: its colours are sums of waves, whose
+/// phases of up to 30 rad are known to six roundings, and red swings by 2 * 1.8.
+constexpr double FILM_ERROR = 4e-5;
+
 /// Gives cases whose material has sheen the table of what it reflects.
 void use_sheen(interface::BsdfCase& c);
 

@@ -51,6 +51,12 @@ std::vector<BsdfCase> draw_cases(Kind kind) {
     cases.back().material.sheen_roughness = 0.4f;
     use_sheen(cases.back());
   }
+  if (kind == Kind::Plastic || kind == Kind::Mixed) {
+    cases.push_back(cases[0]);
+    cases.back().material.iridescence = 0.8f;
+    cases.back().material.iridescence_ior = 2;
+    cases.back().material.iridescence_thickness = glm::vec2(350);
+  }
   for (size_t i = 0; i < cases.size(); ++i)
     cases[i].mode = static_cast<uint32_t>(1000 * base_seed() + i);  // seed
   return cases;
@@ -60,9 +66,9 @@ class BsdfChiSquare : public testing::TestWithParam<Kind> {};
 
 TEST_P(BsdfChiSquare, SamplesFollowTheirDensity) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  // Models times cases of all kinds (two with sheen), the diffuse class, and the anisotropic ones of six
-  // models.
-  constexpr int TESTS = 9 * (3 + 4 + 3 + 5 + 5 + 6) + 3 + 6 * 6;
+  // Models times cases of all kinds (two with sheen, two with a film), the diffuse class, and the anisotropic
+  // ones of six models.
+  constexpr int TESTS = 9 * (3 + 5 + 3 + 5 + 6 + 6) + 3 + 6 * 6;
   const double significance = significance_per_test(FALSE_ALARM, TESTS);
   double smallest_p = 1;
   for (const Model& model : models_of_class(material_class_of(GetParam()))) {

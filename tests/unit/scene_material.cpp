@@ -273,10 +273,10 @@ TEST(SceneMaterial, IgnoredPropertiesAreWarnedOf) {
   Gltf file;
   const size_t texture = file.texture(make_png(1, 1, 3, 8, {0, 0, 0}));
   file.triangle_of({{"alphaMode", "DITHER"}, {"normalTexture", {{"index", texture}}}});
-  file.root["extensionsUsed"] = {"KHR_materials_iridescence"};
+  file.root["extensionsUsed"] = {"KHR_materials_diffuse_transmission"};
   const Scene scene = file.load();
   EXPECT_TRUE(has_warning(scene, "alphaMode 'DITHER'"));
-  EXPECT_TRUE(has_warning(scene, "KHR_materials_iridescence"));
+  EXPECT_TRUE(has_warning(scene, "KHR_materials_diffuse_transmission"));
 }
 
 // Alpha is asked for where something is less than whole, by factor, texture or vertex.
@@ -468,6 +468,48 @@ TEST(SceneMaterial, SheenIsReadAndMakesALobe) {
   EXPECT_EQ(scene.materials[0].sheen_roughness, 0.3F);
   EXPECT_EQ(scene.materials[0].material_class, interface::MATERIAL_CLASS_OPAQUE);
   EXPECT_NE(find_features(scene).bits & interface::FEATURE_SHEEN, 0U);
+}
+
+TEST(SceneMaterial, IridescenceIsReadWithItsDefaults) {
+  const auto film = [](const nlohmann::json& members) {
+    return load_material(
+        {{"extensions",
+          {{"KHR_materials_iridescence", members}, {"KHR_materials_specular", {{"specularFactor", 0}}}}},
+         {"pbrMetallicRoughness", {{"metallicFactor", 0}}}});
+  };
+  const Scene plain = film({{"iridescenceFactor", 0.5}});
+  EXPECT_EQ(plain.materials[0].iridescence, 0.5F);
+  EXPECT_EQ(plain.materials[0].iridescence_ior, 1.3F);
+  EXPECT_EQ(plain.materials[0].iridescence_thickness, glm::vec2(100, 400));
+  EXPECT_EQ(plain.materials[0].material_class, interface::MATERIAL_CLASS_OPAQUE);
+  EXPECT_NE(find_features(plain).bits & interface::FEATURE_IRIDESCENCE, 0U);
+  const Scene whole = film({{"iridescenceFactor", 1},
+                            {"iridescenceIor", 1.8},
+                            {"iridescenceThicknessMinimum", 700},
+                            {"iridescenceThicknessMaximum", 1e30}});
+  EXPECT_EQ(whole.materials[0].iridescence_ior, 1.8F);
+  EXPECT_EQ(whole.materials[0].iridescence_thickness, glm::vec2(700, 1e5F));  // thicker ones look the same
+  EXPECT_TRUE(whole.warnings.empty());
+  const Scene none = film({{"iridescenceIor", 1.8}});
+  EXPECT_EQ(none.materials[0].material_class, interface::MATERIAL_CLASS_DIFFUSE);
+  EXPECT_EQ(find_features(none).bits & interface::FEATURE_IRIDESCENCE, 0U);
+}
+
+TEST(SceneMaterial, FaultyFilmsAreMendedOrRefused) {
+  const auto film = [](const nlohmann::json& members) {
+    return load_material({{"extensions", {{"KHR_materials_iridescence", members}}}});
+  };
+  const Scene mended =
+      film({{"iridescenceFactor", 2}, {"iridescenceIor", 0.5}, {"iridescenceThicknessMaximum", -3}});
+  EXPECT_EQ(mended.materials[0].iridescence, 1.0F);
+  EXPECT_EQ(mended.materials[0].iridescence_ior, 1.0F);
+  EXPECT_EQ(mended.materials[0].iridescence_thickness, glm::vec2(100, 0));
+  EXPECT_TRUE(has_warning(mended, "iridescenceFactor 2 is out of range; correct it (clamped to 1)"));
+  EXPECT_TRUE(has_warning(mended, "iridescenceIor 0.5 is out of range; correct it (clamped to 1)"));
+  EXPECT_TRUE(
+      has_warning(mended, "iridescenceThicknessMaximum -3 is out of range; correct it (clamped to 0)"));
+  EXPECT_TRUE(has_warning(film({{"iridescenceIor", "glass"}}), "iridescenceIor"));
+  EXPECT_TRUE(has_warning(film({{"iridescenceTexture", 3}}), "iridescenceTexture"));
 }
 
 }  // namespace

@@ -161,11 +161,11 @@ GltfScene::GltfScene() {
   gltf_["asset"] = {{"version", "2.0"}, {"generator", "Regulus image tests"}};
   gltf_["scene"] = 0;
   gltf_["scenes"] = json::array({{{"nodes", json::array()}}});
-  gltf_["extensionsUsed"] = {"KHR_lights_punctual",        "KHR_materials_emissive_strength",
-                             "KHR_materials_ior",          "KHR_materials_specular",
-                             "KHR_materials_transmission", "KHR_materials_volume",
-                             "KHR_materials_unlit",        "KHR_materials_clearcoat",
-                             "KHR_materials_anisotropy",   "KHR_materials_sheen"};
+  gltf_["extensionsUsed"] = {
+      "KHR_lights_punctual",    "KHR_materials_emissive_strength", "KHR_materials_ior",
+      "KHR_materials_specular", "KHR_materials_transmission",      "KHR_materials_volume",
+      "KHR_materials_unlit",    "KHR_materials_clearcoat",         "KHR_materials_anisotropy",
+      "KHR_materials_sheen",    "KHR_materials_iridescence"};
   gltf_["nodes"] = json::array();
 }
 

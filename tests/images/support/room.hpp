@@ -56,6 +56,13 @@ inline nlohmann::json cloth(nlohmann::json material, const glm::dvec3& color, do
   return material;
 }
 
+/// The material under a thin film of this thickness, nm.
+inline nlohmann::json filmed(nlohmann::json material, double ior, double thickness, double strength = 1) {
+  material["extensions"]["KHR_materials_iridescence"] = {
+      {"iridescenceFactor", strength}, {"iridescenceIor", ior}, {"iridescenceThicknessMaximum", thickness}};
+  return material;
+}
+
 inline const nlohmann::json WHITE = lambert({0.7, 0.7, 0.7});
 
 // Faces down.
