@@ -235,13 +235,13 @@ vec3 film_reflectance(Bsdf bsdf, vec3 plain, float c, vec3 metal_gain, float die
   if (bsdf.metallic > 0.0) covered += bsdf.metallic * metal_gain * (1.0 - film_transmittance(bsdf.film, bsdf.film.metal, c));
   if (bsdf.metallic < 1.0)
     covered += (1.0 - bsdf.metallic) * dielectric_gain * (1.0 - film_transmittance(bsdf.film, bsdf.f0, c));
-  return mix(plain, covered, bsdf.film.strength);
+  return blend(plain, covered, bsdf.film.strength);
 }
 
 // What passes into the dielectric, for 1 - F_d without the film.
 vec3 film_refraction(Bsdf bsdf, vec3 plain, float c) {
   if (!(bsdf.film.strength > 0.0)) return plain;
-  return mix(plain, vec3(least_component(film_transmittance(bsdf.film, bsdf.f0, c))), bsdf.film.strength);
+  return blend(plain, vec3(least_component(film_transmittance(bsdf.film, bsdf.f0, c))), bsdf.film.strength);
 }
 
 // Value of the diffuse lobe, times pi.
@@ -252,7 +252,7 @@ vec3 film_diffuse(Bsdf bsdf, vec3 plain, float cos_o, float cos_i) {
                                 bsdf.alpha, is_inside);
   float passed_i = film_passage(bsdf.film, bsdf.f0, film_cosine(bsdf, cos_i, refracted_g(cos_i, bsdf.excess), bsdf.excess),
                                 bsdf.alpha, is_inside);
-  return mix(plain, bsdf.film.albedo * min(passed_o, passed_i), bsdf.film.strength);
+  return blend(plain, bsdf.film.albedo * min(passed_o, passed_i), bsdf.film.strength);
 }
 
 // Puts the film on a bsdf. A walk chooses between lobes by what the film reflects on average over thicknesses: at normal
@@ -268,9 +268,11 @@ void add_film(Material material, vec3 albedo, inout Bsdf bsdf) {
   float rest = 1.0 - bsdf.metallic;
   vec3 reflected = vec3(bsdf.metallic * metal + rest * dielectric, bsdf.metallic * (1.0 - metal), rest * (1.0 - dielectric));
   float strength = bsdf.film.strength;
-  bsdf.reflected_luminance = mix(bsdf.reflected_luminance, reflected, strength);
-  bsdf.diffuse_luminance = mix(bsdf.diffuse_luminance, vec2(0.0, least * dot(albedo, LUMINANCE)), strength);
-  bsdf.transmitted_luminance = mix(bsdf.transmitted_luminance, vec2(0.0, least * dot(bsdf.transmission, LUMINANCE)), strength);
+  bsdf.reflected_luminance = blend(bsdf.reflected_luminance, reflected, strength);
+  bsdf.diffuse_luminance *= 1.0 - strength;
+  bsdf.diffuse_luminance.y += strength * least * dot(albedo, LUMINANCE);
+  bsdf.transmitted_luminance *= 1.0 - strength;
+  bsdf.transmitted_luminance.y += strength * least * dot(bsdf.transmission, LUMINANCE);
 }
 
 // The bsdf of a material whose textures have been applied, seen from its front or back face.

@@ -97,6 +97,10 @@ vec3 film_transmittance(Film film, vec3 base_f0, float c) {
   return clamp(faces.passed * (1.0 + faces.amplitude * (first + faces.amplitude * second)), 0.0, 1.0);
 }
 
+// (1 - share) bare + share covered, which is exact at the ends. mix() may be bare + share (covered - bare), and lose what is
+// much less than bare.
+vec3 blend(vec3 bare, vec3 covered, float share) { return (1.0 - share) * bare + share * covered; }
+
 float least_component(vec3 color) { return min(color.r, min(color.g, color.b)); }
 
 // Share of light from a direction with cosine c (as above) that a film on a dielectric with these facets leaves to a diffuse
