@@ -174,14 +174,6 @@ TEST(DeviceStagesCoats, AgreeWithTheReference) {
   expect_agreement(checked);
 }
 
-// Thin films on everything, smooth and rough.
-TEST(DeviceStagesFilms, AgreeWithTheReference) {
-  REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
-  Checked checked(prepare(films_scene()));
-  expect_agreement(checked);
-}
-
 // With a microfacet model whose visible normals take part of the number that also chooses reflection.
 TEST(DeviceStagesEnergyCompensation, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();

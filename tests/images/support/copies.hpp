@@ -87,27 +87,6 @@ inline GltfScene coats_scene() {
   return scene;
 }
 
-/// Thin films on metal, plastic, a pane, solid glass and under a clearcoat, smooth and rough.
-inline GltfScene films_scene() {
-  GltfScene scene;
-  scene.add({quad({-3, 0, 3}, {6, 0, 0}, {0, 0, -6})}, filmed(plastic({0.7, 0.6, 0.5}, 0.3), 2, 400));
-  scene.add({quad({-1, 3, -1}, {2, 0, 0}, {0, 0, 2})}, emitter({6, 6, 5}));
-  const glm::dvec3 half(0.5);
-  add_ball(scene, filmed(metal({0.9, 0.8, 0.6}, 0.3), 1.8, 500),
-           placed({-1.3, 0.5, 0.2}, 30, {0, 1, 0}, half));
-  add_ball(scene, coated(filmed(plastic({0.8, 0.3, 0.2}, 0), 2.2, 250, 0.7), 0.2),
-           placed({-0.1, 0.5, 0.4}, 50, {1, 2, 0.5}, half));
-  add_ball(scene, filmed(metal({0.7, 0.1, 0.0}, 0), 1.5, 350),
-           placed({1.1, 0.5, 0.3}, 70, {0.3, 1, 0}, half));
-  add_ball(scene, filmed(glass(1.5, 0.3, {0.4, 0.8, 0.9}), 1.8, 450, 0.9),
-           placed({-0.6, 0.4, 1.4}, 20, {0, 1, 0}, half));
-  nlohmann::json pane = plastic({0.9, 0.9, 0.6}, 0);
-  pane["extensions"]["KHR_materials_transmission"] = {{"transmissionFactor", 0.7}};
-  add_ball(scene, filmed(pane, 1.33, 300), placed({0.6, 0.4, 1.4}, 40, {0, 1, 0.2}, half));
-  scene.set_perspective(look_at({0, 1.5, 4.5}, {0, 0.7, 0}), 0.7);
-  return scene;
-}
-
 /// The scene with each mesh stored once.
 inline PreparedScene shared_copies(const GltfScene& scene) {
   scene::LoadOptions options;
