@@ -57,6 +57,7 @@ struct Layer {
 std::map<std::string, Layer> layers_of(const image::Channels& channels) {
   std::map<std::string, Layer> layers;
   for (const auto& [name, channel] : channels) {
+    if (name.starts_with("Crypto")) continue;  // ids are nothing to look at
     const size_t dot = name.rfind('.');
     const std::string last = dot == std::string::npos ? "" : name.substr(dot + 1);
     const bool is_part = last.size() == 1 && std::string("RGBXYZ").find(last) != std::string::npos;

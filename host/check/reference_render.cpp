@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "reference/first_hits.hpp"
 #include "render/aov.hpp"
+#include "render/cryptomatte.hpp"
 #include "render/reference_settings.hpp"
 
 namespace regulus::check {
@@ -23,6 +24,17 @@ void add_film_channels(const reference::Film& film, uint32_t aovs, image::Channe
       channels[std::string("variance.") + "RGB"[c]] = std::move(variance);
     }
   if ((aovs & render::AOV_SAMPLES) != 0) channels["samples"] = std::vector<uint32_t>(pixels, film.iterations);
+}
+
+void add_layers(const reference::Film& film, const std::vector<std::string>& names,
+                image::Channels& channels) {
+  for (size_t layer = 0; layer < names.size(); ++layer)
+    for (int c = 0; c < 3; ++c) {
+      std::vector<float> values;
+      for (const glm::dvec3& sum : film.layers[layer])
+        values.push_back(static_cast<float>(sum[c] / std::max(film.iterations, 1u)));
+      channels[names[layer] + "." + "RGB"[c]] = std::move(values);
+    }
 }
 
 }  // namespace
@@ -44,8 +56,14 @@ ReferenceRender render_with_reference(const PreparedScene& prepared, const rende
         wanted.width, wanted.height);
     render::add_surface_channels(reference::first_hits(world, camera, wanted), plan.aovs,
                                  prepared.scene.origin, result.channels);
+    if ((plan.aovs & render::CRYPTO_AOVS) != 0) {
+      std::vector<render::RayIds> ids;
+      for (const glm::uvec2& met : reference::first_ids(world, camera, wanted)) ids.push_back({met.x, met.y});
+      render::add_cryptomattes(prepared.scene, ids, plan.aovs, result.channels);
+    }
   }
   add_film_channels(film, plan.aovs, result.channels);
+  add_layers(film, plan.layers.names, result.channels);
   return result;
 }
 

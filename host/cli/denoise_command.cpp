@@ -63,9 +63,10 @@ void denoise(const Options& options) {
   Picture picture = read_picture(options.input);
   image::ExrContents& contents = picture.contents;
   if (options.denoise.by == "oidn" && !contents.channels.contains("albedo.R"))
-    fmt::print(stderr,
-               "regulus: warning: {}: has no albedo; render with --aov albedo,N for sharper details\n",
-               options.input);
+    fmt::print(
+        stderr,
+        "regulus: warning: {}: has no albedo; render with --aov albedo,N,emission for sharper details\n",
+        options.input);
   denoise_picture(options.denoise, picture.image, contents.channels, contents.attributes);
   drop_sums(contents);
   OutputWriter writer;
@@ -82,7 +83,7 @@ void add_denoise_command(CLI::App& app) {
   const auto options = std::make_shared<Options>();
   CLI::App* command =
       app.add_subcommand("denoise", "Denoise a picture, by its albedo and normals where it has them");
-  command->add_option("INPUT", options->input, "An OpenEXR picture, best with --aov albedo,N")
+  command->add_option("INPUT", options->input, "An OpenEXR picture, best with --aov albedo,N,emission")
       ->type_name("FILE")
       ->required();
   command

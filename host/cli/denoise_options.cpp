@@ -42,7 +42,8 @@ void add_denoiser_options(CLI::App& command, DenoiseOptions& options) {
 }
 
 uint32_t aovs_for_denoiser(const DenoiseOptions& options) {
-  return render::AOV_ALBEDO | render::AOV_SHADING_NORMAL | (is_cross(options) ? render::AOV_VARIANCE : 0U);
+  return render::AOV_ALBEDO | render::AOV_SHADING_NORMAL | render::AOV_EMISSION |
+         (is_cross(options) ? render::AOV_VARIANCE : 0U);
 }
 
 void require_denoiser(const DenoiseOptions& options) {
@@ -53,10 +54,11 @@ void denoise_picture(const DenoiseOptions& options, image::Image& image, image::
                      image::Attributes& attributes) {
   restore_noise(image, channels);
   const denoise::Input input = denoise::make_input(image, channels);
-  std::vector<float> colors = is_cross(options) ? denoise::by_cross_filter(input)
-                                                : denoise::by_open_image_denoise(input, options.library);
-  denoise::put_denoised(std::move(colors), is_cross(options) ? "cross filter" : "Open Image Denoise", image,
-                        channels, attributes);
+  const denoise::Method method =
+      is_cross(options) ? denoise::Method::CrossFilter : denoise::Method::OpenImageDenoise;
+  denoise::put_denoised(denoise::denoised(input, method, options.library),
+                        is_cross(options) ? "cross filter" : "Open Image Denoise", image, channels,
+                        attributes);
 }
 
 }  // namespace regulus::cli

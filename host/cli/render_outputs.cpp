@@ -69,6 +69,8 @@ void check_outputs(const RenderOutputs& outputs, const RenderOptions& options,
     throw Error(ErrorCode::BadUsage,
                 fmt::format("--aov needs --output FILE.exr; {} holds no channels but colour",
                             outputs.picture.string()));
+  if ((settings.aovs & render::CRYPTO_AOVS) != 0 && options.storage.is_dwaa)
+    throw Error(ErrorCode::BadUsage, "--aov: DWAA would change the ids of cryptomattes; leave out --dwaa");
   if (!outputs.strategy_images.empty())
     for (const fs::path& file : strategy_files(outputs.strategy_images, settings))
       guard.add_output("--strategy-images", file);

@@ -77,7 +77,7 @@ void view_scene(CLI::App& command, ViewOptions& options) {
       {.select = options.device, .software_stage_times = false, .memory_bytes = options.memory_bytes});
   view::Mailbox mailbox(wanted);
   view::Board board;
-  view::Painter painter(device, prepared, settings, home, mailbox, board);
+  view::Painter painter(device, prepared, settings, home, options.denoise.library, mailbox, board);
   catch_interrupts();
   const view::Server server(
       options.port, bench::view_page(page_json(wanted, home, prepared.scene, settings, options.exposure_ev)),

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
+
 namespace regulus::denoise {
 
 namespace {
@@ -32,12 +34,30 @@ Input make_input(const image::Image& image, const image::Channels& channels) {
               .color = image.rgb,
               .albedo = interleave(channels, "albedo", "RGB", pixels),
               .normal = interleave(channels, "N", "XYZ", pixels),
-              .variance = interleave(channels, "variance", "RGB", pixels)};
+              .variance = interleave(channels, "variance", "RGB", pixels),
+              .kept = interleave(channels, "emission", "RGB", pixels)};
+  for (size_t i = 0; i < input.kept.size(); ++i) input.color[i] -= input.kept[i];
   for (float& value : input.color) value = std::isfinite(value) ? std::max(value, 0.0F) : 0.0F;
   for (float& value : input.albedo) value = std::clamp(value, 0.0F, MOST_ALBEDO);
   for (float& value : input.normal) value = std::clamp(value, -1.0F, 1.0F);
   for (float& value : input.variance) value = std::max(value, 0.0F);
   return input;
+}
+
+Method best_available(const std::string& library) {
+  try {
+    require_open_image_denoise(library);
+    return Method::OpenImageDenoise;
+  } catch (const Error&) {
+    return Method::CrossFilter;
+  }
+}
+
+std::vector<float> denoised(const Input& input, Method method, const std::string& library) {
+  std::vector<float> colors =
+      method == Method::CrossFilter ? by_cross_filter(input) : by_open_image_denoise(input, library);
+  for (size_t i = 0; i < input.kept.size(); ++i) colors[i] += input.kept[i];
+  return colors;
 }
 
 void put_denoised(std::vector<float> colors, const std::string& by, image::Image& image,

@@ -15,10 +15,15 @@ struct Input {
   std::vector<float> albedo;    ///< empty: not known
   std::vector<float> normal;    ///< empty: not known
   std::vector<float> variance;  ///< of color, as the mean of its samples; empty: not known
+  /// What of the picture is left as it is, and not in `color`: lamps as they are seen, directly or by way of
+  /// mirrors and glass. Empty: nothing.
+  std::vector<float> kept;
 };
 
-/// Color and the channels `albedo`, `N` and `variance`, where there are all three of each. What is not finite
-/// becomes 0, and colors are made non-negative: a denoiser would spread a NaN over its whole neighbourhood.
+/// Color and the channels `albedo`, `N`, `variance` and `emission`, where there are all three of each. What
+/// is not finite becomes 0, and colors are made non-negative: a denoiser would spread a NaN over its whole
+/// neighbourhood. Emission is kept out of color: a lamp that fills one pixel, a thousand times as bright as
+/// its surroundings, is spread likewise, and has little noise where it is seen at all.
 Input make_input(const image::Image& image, const image::Channels& channels);
 
 /// @throws regulus::Error (Failed), with what to do, if Open Image Denoise cannot be loaded
@@ -36,6 +41,15 @@ std::vector<float> by_open_image_denoise(const Input& input, const std::string& 
 /// 2013, in one pass).
 /// @throws regulus::Error (BadFile) if variance, albedo or normal are not known
 std::vector<float> by_cross_filter(const Input& input);
+
+enum class Method { OpenImageDenoise, CrossFilter };
+
+/// Open Image Denoise where it can be loaded, otherwise the cross filter.
+Method best_available(const std::string& library);
+
+/// The picture by one of them: denoised, and what was kept of it.
+/// @throws regulus::Error as they do
+std::vector<float> denoised(const Input& input, Method method, const std::string& library);
 
 /// Gives the picture its denoised colors; those it had go to the channels noisy.R, noisy.G and noisy.B, and
 /// `regulus:denoised` says by what.

@@ -75,8 +75,9 @@ Imf::Slice channel_slice(const Channel& channel, const Imath::Box2i& window) {
       channel);
 }
 
-/// Colours and directions, for which 11 bits of mantissa do.
+/// Colours and directions, for which 11 bits of mantissa do. Ids of cryptomattes are the bits of a float.
 bool may_be_half(const std::string& name) {
+  if (name.starts_with("Crypto")) return false;
   const std::string_view last = std::string_view(name).substr(name.rfind('.') + 1);
   return last == "R" || last == "G" || last == "B" || last == "A" || name.starts_with("N.") ||
          name.starts_with("Ng.");

@@ -13,4 +13,7 @@ namespace regulus::reference {
 std::vector<interface::AovPixel> first_hits(const World& world, const Camera& camera,
                                             const Settings& settings);
 
+/// Of each of those rays, AOV_RAYS of a pixel: the instance and the material that it meets, or INVALID_INDEX.
+std::vector<glm::uvec2> first_ids(const World& world, const Camera& camera, const Settings& settings);
+
 }  // namespace regulus::reference

@@ -162,6 +162,15 @@ Lit lit_from(const Surface& surface, const dvec3& w_light, const dvec3& w_camera
   return {.is_turned = true, .is_in_relief_shadow = surface.has_relief, .w = as_seen(surface, w_light)};
 }
 
+uint32_t kind_of_light(const Path& path) {
+  const size_t last = path.length() - 1;  // next to the lens; 0: the light itself
+  size_t diffusing = 0;
+  for (size_t i = 1; i <= last; ++i) diffusing += path.vertices[i].diffuses ? 1 : 0;
+  if (diffusing == 0) return interface::LIGHT_EMISSION;
+  if (diffusing > 1 || !path.vertices[last].diffuses) return interface::LIGHT_INDIRECT;
+  return last == 1 ? interface::LIGHT_DIRECT : interface::LIGHT_CAUSTICS;
+}
+
 VertexScattering scattering_between(const Surface& surface, const Bsdf& material, const dvec3& w_light,
                                     const dvec3& w_camera, const Regularization& regularization,
                                     const VirtualTries& tries) {
@@ -228,7 +237,8 @@ LightEnd light_end(const World& world, const LightPoint& point, const dvec3& dir
           light_point_pdf(world, point),
           emission_density(world, point, direction),
           0,
-          emission_bound(world, point)};
+          emission_bound(world, point),
+          point.light};
 }
 
 }  // namespace regulus::reference

@@ -62,6 +62,7 @@ struct LightEnd {
   RayDensity density;      ///< of a light walk's direction to x_1
   double connect_pdf = 0;  ///< of choosing x_0 from x_1, see connection_pdf(); 0 on a path of one edge
   double bound = 0;        ///< rho-bar: largest density of the emitted light per steradian
+  uint32_t index = 0;      ///< of the light
 };
 
 /// The path.
@@ -94,6 +95,9 @@ ConnectedScattering connected_at(const Path& path, size_t i);
 /// > last): emitted * product of G, rho (there: rho^) and transmittance * importance. The importance of one
 /// square pixel times the last edge's G is pdf_from_camera(K - 1): a film point has density 1.
 WideColor measured_function(const Path& path, size_t first = 1, size_t last = 0);
+
+/// What kind of light the path is, LIGHT_*: by which of its vertices diffuse.
+uint32_t kind_of_light(const Path& path);
 
 /// rho-bar of a camera: one over the solid angle of its film. An orthographic one's is one over its area,
 /// where its edge counts as long as the longest.

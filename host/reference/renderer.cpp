@@ -21,6 +21,7 @@ constexpr uint32_t GRAIN = 256;  // pixels or light walks that a thread takes at
 struct Splat {
   dvec2 film;
   dvec3 value;
+  uint32_t kind, light;
 };
 
 /// Scaled down so that no channel exceeds `largest`. A baseline that loses energy.
@@ -42,7 +43,9 @@ class Render {
         estimator_(world_, camera_, settings_),
         window_(settings.window()),
         pixels_(window_.pixels()),
-        film_{window_.width, window_.height, std::vector<dvec3>(pixels_), std::vector<dvec3>(pixels_), 0} {}
+        film_{window_.width, window_.height, std::vector<dvec3>(pixels_), std::vector<dvec3>(pixels_), 0} {
+    film_.layers.assign(settings.layers, std::vector<dvec3>(pixels_, dvec3(0)));
+  }
 
   void iterate(uint32_t sample) {
     std::vector<dvec3> image(pixels_, dvec3(0));
@@ -52,7 +55,11 @@ class Render {
       for (uint32_t i = begin; i < end; ++i)
         estimator_.camera_sample(window_.pixel_of(i, settings_.width), sample, cache.get(),
                                  [&](const Contribution& found) {
-                                   image[i] += clamped(found.value(), settings_.largest_contribution);
+                                   const dvec3 value = clamped(found.value(), settings_.largest_contribution);
+                                   image[i] += value;
+                                   if (settings_.layers == 0) return;
+                                   const Path& path = found.sampled.path;
+                                   add_to_layers(kind_of_light(path), path.light.index, i, value);
                                  });
     });
     for (size_t i = 0; i < image.size(); ++i) {
@@ -75,7 +82,8 @@ class Render {
       for (uint32_t index = begin; index < end; ++index) {
         subpaths[index] = walk_from_light(world_, settings_, index, sample);
         estimator_.light_sample(subpaths[index], index, sample, [&](const Contribution& found) {
-          mine.push_back({found.sampled.film, found.value()});
+          const Path& path = found.sampled.path;
+          mine.push_back({found.sampled.film, found.value(), kind_of_light(path), path.light.index});
         });
       }
     });
@@ -85,17 +93,28 @@ class Render {
   }
 
   /// Every rendered pixel whose filter reaches the point takes its share.
-  void add(const Splat& splat, std::vector<dvec3>& image) const {
+  void add(const Splat& splat, std::vector<dvec3>& image) {
     const dvec2 reach(settings_.filter.radius + 0.5);
     const dvec2 size(window_.width, window_.height);
     const dvec2 film = splat.film - dvec2(window_.x, window_.y);
     const glm::ivec2 first(glm::clamp(glm::floor(film - reach), dvec2(0), size));
     const glm::ivec2 last(glm::clamp(glm::ceil(film + reach), dvec2(0), size));
     for (int y = first.y; y < last.y; ++y)
-      for (int x = first.x; x < last.x; ++x)
-        image[static_cast<size_t>(y) * window_.width + static_cast<size_t>(x)] +=
-            clamped(settings_.filter.value(film - dvec2(x + 0.5, y + 0.5)) * splat.value,
-                    settings_.largest_contribution);
+      for (int x = first.x; x < last.x; ++x) {
+        const size_t pixel = static_cast<size_t>(y) * window_.width + static_cast<size_t>(x);
+        const dvec3 value = clamped(settings_.filter.value(film - dvec2(x + 0.5, y + 0.5)) * splat.value,
+                                    settings_.largest_contribution);
+        image[pixel] += value;
+        if (settings_.layers != 0) add_to_layers(splat.kind, splat.light, pixel, value);
+      }
+  }
+
+  /// A pixel is one thread's at a time.
+  void add_to_layers(uint32_t kind, uint32_t light, size_t pixel, const dvec3& value) {
+    if (const uint32_t layer = settings_.kind_layers[kind]; layer != interface::INVALID_INDEX)
+      film_.layers[layer][pixel] += value;
+    if (settings_.first_group_layer != interface::INVALID_INDEX)
+      film_.layers[settings_.first_group_layer + settings_.group_of_light[light]][pixel] += value;
   }
 
   const World& world_;

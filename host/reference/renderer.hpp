@@ -18,6 +18,7 @@ struct Film {
   std::vector<glm::dvec3> sum;      ///< of each pixel's values
   std::vector<glm::dvec3> squares;  ///< of their squares
   uint32_t iterations = 0;
+  std::vector<std::vector<glm::dvec3>> layers{};  ///< sums of each of Settings::layers
 
   glm::dvec3 mean(size_t pixel) const;
   /// Variance of mean(); needs two iterations.

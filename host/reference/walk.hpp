@@ -2,6 +2,7 @@
 // the unregularized bsdfs only; how their vertices become paths is the business of subpaths.hpp.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 #include <limits>
 #include <optional>
@@ -54,6 +55,12 @@ struct Settings {
   /// in the last place of single precision, up or down as this pattern says: how far results move then tells
   /// how well conditioned they are.
   uint32_t rounding_pattern = 0;
+
+  /// Layers of the film, see render::Layers: of each kind of light, of group 0, and the group of each light.
+  uint32_t layers = 0;
+  std::array<uint32_t, interface::LIGHT_KINDS> kind_layers{};
+  uint32_t first_group_layer = interface::INVALID_INDEX;
+  std::vector<uint32_t> group_of_light{};
 
   double largest_contribution = std::numeric_limits<double>::infinity();  ///< of one technique to a sample
 

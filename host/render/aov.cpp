@@ -15,11 +15,23 @@ namespace {
 
 using interface::AovPixel;
 
-constexpr std::pair<const char*, uint32_t> NAMES[] = {
-    {"albedo", AOV_ALBEDO},     {"N", AOV_SHADING_NORMAL},  {"Ng", AOV_GEOMETRIC_NORMAL},
-    {"P", AOV_POSITION},        {"Z", AOV_DEPTH},           {"material", AOV_MATERIAL},
-    {"instance", AOV_INSTANCE}, {"variance", AOV_VARIANCE}, {"samples", AOV_SAMPLES},
-    {"sigma", AOV_SIGMA}};
+constexpr std::pair<const char*, uint32_t> NAMES[] = {{"albedo", AOV_ALBEDO},
+                                                      {"N", AOV_SHADING_NORMAL},
+                                                      {"Ng", AOV_GEOMETRIC_NORMAL},
+                                                      {"P", AOV_POSITION},
+                                                      {"Z", AOV_DEPTH},
+                                                      {"material", AOV_MATERIAL},
+                                                      {"instance", AOV_INSTANCE},
+                                                      {"variance", AOV_VARIANCE},
+                                                      {"samples", AOV_SAMPLES},
+                                                      {"sigma", AOV_SIGMA},
+                                                      {"emission", AOV_EMISSION},
+                                                      {"direct", AOV_DIRECT},
+                                                      {"caustics", AOV_CAUSTICS},
+                                                      {"indirect", AOV_INDIRECT},
+                                                      {"lights", AOV_LIGHTS},
+                                                      {"crypto_object", AOV_CRYPTO_OBJECT},
+                                                      {"crypto_material", AOV_CRYPTO_MATERIAL}};
 
 template <typename T, typename Value>
 std::vector<T> values_of(const std::vector<AovPixel>& pixels, const Value& value) {
@@ -105,15 +117,18 @@ void add_sigma_channels(const std::vector<interface::vec3>& footprints, image::C
   channels["sigma.angle"] = std::move(angles);
 }
 
-void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels) {
-  if ((aovs & AOV_VARIANCE) != 0) {
-    const image::Image variance = resolve_variance(film);
-    for (size_t c = 0; c < 3; ++c) {
-      std::vector<float> values(film.pixels());
-      for (size_t pixel = 0; pixel < values.size(); ++pixel) values[pixel] = variance.rgb[3 * pixel + c];
-      channels[std::string("variance.") + "RGB"[c]] = std::move(values);
-    }
+void add_colors(const image::Image& image, const std::string& name, image::Channels& channels) {
+  for (size_t c = 0; c < 3; ++c) {
+    std::vector<float> values(image.rgb.size() / 3);
+    for (size_t pixel = 0; pixel < values.size(); ++pixel) values[pixel] = image.rgb[3 * pixel + c];
+    channels[name + "." + "RGB"[c]] = std::move(values);
   }
+}
+
+void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels) {
+  for (const LightLayer& layer : film.layers)
+    add_colors(resolve(film_of_layer(film, layer)), layer.name, channels);
+  if ((aovs & AOV_VARIANCE) != 0) add_colors(resolve_variance(film), "variance", channels);
   if ((aovs & AOV_SAMPLES) != 0) {
     std::vector<uint32_t> samples(film.pixels());
     for (uint64_t pixel = 0; pixel < samples.size(); ++pixel)

@@ -30,7 +30,11 @@ void add_surface_channels(const std::vector<interface::AovPixel>& pixels, uint32
 /// them: standard deviations of one coordinate.
 void add_sigma_channels(const std::vector<interface::vec3>& footprints, image::Channels& channels);
 
-/// Channels of the film: variance.R and so on, of the mean of the samples, and the integer samples.
+/// Channels NAME.R, NAME.G and NAME.B.
+void add_colors(const image::Image& image, const std::string& name, image::Channels& channels);
+
+/// Channels of the film: those of its layers (direct.R, light_Lamp.R and so on), variance.R and so on, of the
+/// mean of the samples, and the integer samples.
 void add_film_channels(const Film& film, uint32_t aovs, image::Channels& channels);
 
 }  // namespace regulus::render

@@ -20,7 +20,49 @@ double sum_at(const std::vector<uint32_t>& words, uint64_t pixel, uint64_t chann
   return film_sum(&words[pixel * interface::FILM_WORDS_PER_PIXEL + WORDS_PER_SUM * channel], exponent);
 }
 
+template <typename Words, typename AnyFilm>
+std::vector<NamedSums<Words>> named_sums(AnyFilm& film) {
+  std::vector<NamedSums<Words>> sums = {{"sum", &film.words},
+                                        {"splats", &film.splat_words},
+                                        {"earlier", &film.earlier_words},
+                                        {"squares", &film.square_words}};
+  for (auto& layer : film.layers) {
+    sums.push_back({layer.name + ".sum", &layer.words});
+    sums.push_back({layer.name + ".splats", &layer.splat_words});
+  }
+  return sums;
+}
+
 }  // namespace
+
+std::vector<NamedSums<std::vector<uint32_t>>> sums_of(Film& film) {
+  return named_sums<std::vector<uint32_t>>(film);
+}
+
+std::vector<NamedSums<const std::vector<uint32_t>>> sums_of(const Film& film) {
+  return named_sums<const std::vector<uint32_t>>(film);
+}
+
+bool have_same_sums(const Film& a, const Film& b) {
+  const auto of_a = sums_of(a), of_b = sums_of(b);
+  return a.exponents == b.exponents &&
+         std::equal(of_a.begin(), of_a.end(), of_b.begin(), of_b.end(), [](const auto& x, const auto& y) {
+           return x.name == y.name && x.words->empty() == y.words->empty();
+         });
+}
+
+Film film_of_layer(const Film& film, const LightLayer& layer) {
+  Film own;
+  own.width = film.width;
+  own.height = film.height;
+  own.words = layer.words;
+  own.paths = film.paths;
+  own.splat_words = layer.splat_words;
+  own.light_paths = film.light_paths;
+  own.light_paths_per_iteration = film.light_paths_per_iteration;
+  own.exponents = film.exponents;
+  return own;
+}
 
 double film_sum(const uint32_t* words, int exponent) {
   if (is_saturated(words)) return std::ldexp(1.0, int{interface::FILM_RANGE_BITS} + exponent);

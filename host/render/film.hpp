@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "image/image.hpp"
@@ -12,6 +13,13 @@ namespace regulus::render {
 /// A fixed-point sum of three words (interface/wavefront.h) as a number; the least that is too large to be
 /// held if it is saturated.
 double film_sum(const uint32_t* words, int exponent);
+
+/// The part of the light that is of one kind, or of one group of lights.
+struct LightLayer {
+  std::string name;                     ///< of the channels: "direct", "light_Lamp"
+  std::vector<uint32_t> words{};        ///< as Film::words
+  std::vector<uint32_t> splat_words{};  ///< as Film::splat_words
+};
 
 /// Sums of whole paths. Paths are counted sample by sample, within a sample pixel by pixel, so `paths` says
 /// how many samples each pixel has.
@@ -29,6 +37,8 @@ struct Film {
   /// pixel, and the sums of the squares of whole samples; otherwise empty.
   std::vector<uint32_t> earlier_words{}, square_words{};
 
+  std::vector<LightLayer> layers{};  ///< by name (render/layers.hpp)
+
   scene::FilmExponents exponents{};  ///< of the units of the sums and of those of squares
 
   uint64_t pixels() const { return uint64_t{width} * height; }
@@ -37,15 +47,21 @@ struct Film {
   uint64_t samples(uint64_t pixel) const;
 };
 
-/// The sums that a film may have, by name.
-struct FilmLayer {
-  const char* name;
-  std::vector<uint32_t> Film::*words;
+/// Sums of a film, FILM_WORDS_PER_PIXEL words per pixel, or none.
+template <typename Words>
+struct NamedSums {
+  std::string name;  ///< "sum", "splats", "earlier", "squares"; of layers "direct.sum" and so on
+  Words* words;
 };
-inline constexpr FilmLayer FILM_LAYERS[] = {{"sum", &Film::words},
-                                            {"splats", &Film::splat_words},
-                                            {"earlier", &Film::earlier_words},
-                                            {"squares", &Film::square_words}};
+/// All sums that a film may have. Those of two films with the same layers correspond.
+std::vector<NamedSums<std::vector<uint32_t>>> sums_of(Film& film);
+std::vector<NamedSums<const std::vector<uint32_t>>> sums_of(const Film& film);
+
+/// True if both have the same kinds of sums, in the same units.
+bool have_same_sums(const Film& a, const Film& b);
+
+/// A layer as a film of its own.
+Film film_of_layer(const Film& film, const LightLayer& layer);
 
 /// Gives saturated sums the same words, whatever the order in which they were added.
 void settle_saturated(std::vector<uint32_t>& words);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
@@ -24,8 +25,10 @@ constexpr const char* LIGHT_PATHS_PER_ITERATION = "regulus:light_paths_per_itera
 constexpr const char* EXPONENT = "regulus:film_exponent";
 constexpr const char* SQUARE_EXPONENT = "regulus:film_square_exponent";
 
-std::string channel_name(const FilmLayer& layer, uint32_t word) {
-  return fmt::format("film.{}.{}{}", layer.name, "RGB"[word / 3], word % 3);
+constexpr const char* PREFIX = "film.";
+
+std::string channel_name(const std::string& sums, uint32_t word) {
+  return fmt::format("{}{}.{}{}", PREFIX, sums, "RGB"[word / 3], word % 3);
 }
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& reason) {
@@ -55,12 +58,12 @@ int exponent(const std::filesystem::path& path, const image::Attributes& attribu
   return value;
 }
 
-/// The words of a layer; empty if the file has none of its channels.
-std::vector<uint32_t> take_layer(const std::filesystem::path& path, const FilmLayer& layer, uint64_t pixels,
-                                 image::Channels& channels) {
+/// Words of the sums of this name; empty if the file has none of their channels.
+std::vector<uint32_t> take_sums(const std::filesystem::path& path, const std::string& name, uint64_t pixels,
+                                image::Channels& channels) {
   std::vector<uint32_t> words;
   for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
-    const auto node = channels.extract(channel_name(layer, word));
+    const auto node = channels.extract(channel_name(name, word));
     if (node.empty() && words.empty()) continue;
     const auto* values = node.empty() ? nullptr : std::get_if<std::vector<uint32_t>>(&node.mapped());
     if (values == nullptr || (words.empty() && word != 0)) fail(path, "misses some of the sums of samples");
@@ -71,17 +74,29 @@ std::vector<uint32_t> take_layer(const std::filesystem::path& path, const FilmLa
   return words;
 }
 
+/// The layers of which the file has sums, by name as films have them.
+std::vector<LightLayer> find_layers(const image::Channels& channels) {
+  constexpr std::string_view OF_LAYER = ".sum.R0";
+  std::vector<LightLayer> layers;
+  for (const auto& [name, channel] : channels)
+    if (name.starts_with(PREFIX) && name.ends_with(OF_LAYER) && name != channel_name("sum", 0)) {
+      const size_t begin = std::string_view(PREFIX).size();
+      layers.push_back({name.substr(begin, name.size() - begin - OF_LAYER.size())});
+    }
+  std::ranges::sort(layers, {}, &LightLayer::name);
+  return layers;
+}
+
 }  // namespace
 
 void add_film(const Film& film, image::Channels& channels, image::Attributes& attributes) {
-  for (const FilmLayer& layer : FILM_LAYERS) {
-    const std::vector<uint32_t>& words = film.*layer.words;
-    if (words.empty()) continue;
+  for (const auto& [name, words] : sums_of(film)) {
+    if (words->empty()) continue;
     for (uint32_t word = 0; word < FILM_WORDS_PER_PIXEL; ++word) {
       std::vector<uint32_t> values(film.pixels());
       for (uint64_t pixel = 0; pixel < values.size(); ++pixel)
-        values[pixel] = words[pixel * FILM_WORDS_PER_PIXEL + word];
-      channels[channel_name(layer, word)] = std::move(values);
+        values[pixel] = (*words)[pixel * FILM_WORDS_PER_PIXEL + word];
+      channels[channel_name(name, word)] = std::move(values);
     }
   }
   attributes[PATHS] = std::to_string(film.paths);
@@ -100,17 +115,20 @@ Film take_film(const std::filesystem::path& path, image::ExrContents& contents) 
   film.light_paths_per_iteration = number(path, contents.attributes, LIGHT_PATHS_PER_ITERATION);
   film.exponents.radiance = exponent(path, contents.attributes, EXPONENT);
   film.exponents.squares = exponent(path, contents.attributes, SQUARE_EXPONENT);
-  for (const FilmLayer& layer : FILM_LAYERS)
-    film.*layer.words = take_layer(path, layer, film.pixels(), contents.channels);
+  film.layers = find_layers(contents.channels);
+  for (const auto& [name, words] : sums_of(film))
+    *words = take_sums(path, name, film.pixels(), contents.channels);
   if (film.words.empty()) fail(path, "holds no sums of samples");
   if (film.light_paths_per_iteration == 0) fail(path, "has iterations without light paths");
   return film;
 }
 
 void add(Film& film, const Film& other) {
-  for (const FilmLayer& layer : FILM_LAYERS) {
-    std::vector<uint32_t>& sums = film.*layer.words;
-    const std::vector<uint32_t>& more = other.*layer.words;
+  const auto all = sums_of(film);
+  const auto all_more = sums_of(other);
+  for (size_t i = 0; i < all.size(); ++i) {
+    std::vector<uint32_t>& sums = *all[i].words;
+    const std::vector<uint32_t>& more = *all_more[i].words;
     uint64_t carry = 0;
     for (size_t word = 0; word < sums.size(); ++word) {
       if (word % 3 == 0) carry = 0;  // the next sum of three words
@@ -133,18 +151,23 @@ Film empty_like(const Film& film, uint32_t width, uint32_t height) {
   empty.light_paths = film.light_paths;
   empty.light_paths_per_iteration = film.light_paths_per_iteration;
   empty.exponents = film.exponents;
-  for (const FilmLayer& layer : FILM_LAYERS)
-    if (!(film.*layer.words).empty()) (empty.*layer.words).resize(empty.pixels() * FILM_WORDS_PER_PIXEL);
+  for (const LightLayer& layer : film.layers) empty.layers.push_back({layer.name});
+  const auto from = sums_of(film);
+  const auto to = sums_of(empty);
+  for (size_t i = 0; i < to.size(); ++i)
+    if (!from[i].words->empty()) to[i].words->resize(empty.pixels() * FILM_WORDS_PER_PIXEL);
   return empty;
 }
 
 void place(const Film& part, uint32_t x, uint32_t y, Film& whole) {
   const uint64_t words_per_row = uint64_t{part.width} * FILM_WORDS_PER_PIXEL;
-  for (const FilmLayer& layer : FILM_LAYERS) {
-    const std::vector<uint32_t>& words = part.*layer.words;
+  const auto from = sums_of(part);
+  const auto to = sums_of(whole);
+  for (size_t i = 0; i < from.size(); ++i) {
+    const std::vector<uint32_t>& words = *from[i].words;
     for (uint64_t row = 0; !words.empty() && row < part.height; ++row)
       std::copy_n(&words[row * words_per_row], words_per_row,
-                  &(whole.*layer.words)[((y + row) * whole.width + x) * FILM_WORDS_PER_PIXEL]);
+                  &(*to[i].words)[((y + row) * whole.width + x) * FILM_WORDS_PER_PIXEL]);
   }
   whole.paths += part.paths;
 }

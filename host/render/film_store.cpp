@@ -28,6 +28,9 @@ FilmStore::FilmStore(Wavefront& wavefront, const scene::FilmExponents& exponents
   film_.splat_words.resize(buffers.splat_film.size() / sizeof(uint32_t));
   film_.earlier_words.resize(buffers.film_earlier.size() / sizeof(uint32_t));
   film_.square_words.resize(buffers.film_squares.size() / sizeof(uint32_t));
+  for (const std::string& name : wavefront.plan.layers.names)
+    film_.layers.push_back(
+        {name, std::vector<uint32_t>(film_.words.size()), std::vector<uint32_t>(film_.splat_words.size())});
 }
 
 bool FilmStore::is_snapshot_due() const {
@@ -46,16 +49,43 @@ void FilmStore::take_snapshot(const WavePaths& finished) {
   auto sums = download(buffers.film), splats = download(buffers.splat_film);
   const auto counters = download(buffers.counters);
   auto earlier = download(buffers.film_earlier), squares = download(buffers.film_squares);
+  std::vector<LightLayer> layers = download_layers();
   film_.words.swap(sums);
   film_.splat_words.swap(splats);
   film_.earlier_words.swap(earlier);
   film_.square_words.swap(squares);
-  for (const FilmLayer& layer : FILM_LAYERS) settle_saturated(film_.*layer.words);
+  film_.layers.swap(layers);
+  for (const auto& named : sums_of(film_)) settle_saturated(*named.words);
   film_.paths = finished.camera;
   film_.light_paths = finished.light;
   count_work(finished, counters);
   last_snapshot_ = Clock::now();
   snapshot_seconds_ = std::chrono::duration<double>(last_snapshot_ - start).count();
+}
+
+// Of the buffer, which holds all layers and then all of their splats.
+std::vector<LightLayer> FilmStore::download_layers() const {
+  std::vector<LightLayer> layers = film_.layers;
+  uint64_t offset = 0;
+  for (std::vector<uint32_t> LightLayer::*words : {&LightLayer::words, &LightLayer::splat_words})
+    for (LightLayer& layer : layers) {
+      const uint64_t count = (layer.*words).size();
+      if (count == 0) continue;
+      layer.*words =
+          gpu::download_all<uint32_t>(wavefront_.device, wavefront_.buffers.layer_film, count, offset);
+      offset += count * sizeof(uint32_t);
+    }
+  return layers;
+}
+
+void FilmStore::upload_layers(const Film& film) {
+  uint64_t offset = 0;
+  for (std::vector<uint32_t> LightLayer::*words : {&LightLayer::words, &LightLayer::splat_words})
+    for (const LightLayer& layer : film.layers) {
+      if ((layer.*words).empty()) continue;
+      wavefront_.device.upload(wavefront_.buffers.layer_film, offset, gpu::bytes_of(layer.*words));
+      offset += (layer.*words).size() * sizeof(uint32_t);
+    }
 }
 
 void FilmStore::count_work(const WavePaths& finished, const std::vector<uint32_t>& words) {
@@ -85,6 +115,7 @@ void FilmStore::restore(const Film& film) {
   upload(buffers.splat_film, film.splat_words);
   upload(buffers.film_earlier, film.earlier_words);
   upload(buffers.film_squares, film.square_words);
+  upload_layers(film);
   film_ = film;
 }
 

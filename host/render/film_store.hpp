@@ -38,6 +38,8 @@ class FilmStore {
  private:
   using Clock = std::chrono::steady_clock;
   void count_work(const WavePaths& finished, const std::vector<uint32_t>& words);
+  std::vector<LightLayer> download_layers() const;
+  void upload_layers(const Film& film);
   image::Image strategy_image(const Strategy& strategy, uint64_t index) const;
 
   Wavefront& wavefront_;

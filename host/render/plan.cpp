@@ -130,6 +130,7 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
   static_cast<CommonSettings&>(plan) = settings;
   plan.asked = settings;
   plan.features = prepared.features;
+  plan.layers = choose_layers(prepared.scene, plan.aovs);
   choose_what_is_open(plan, prepared);
   plan_regularization(plan);
   plan_techniques(plan);

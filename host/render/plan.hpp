@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "prepared/prepared_scene.hpp"
+#include "render/layers.hpp"
 #include "render/settings.hpp"
 
 namespace regulus::reference {
@@ -37,6 +38,7 @@ struct Plan : CommonSettings {
   bool is_per_wave = true;
   uint32_t connections_per_vertex = 0;       ///< light vertices that a camera vertex connects to, at most
   uint32_t state = interface::STATE_ALWAYS;  ///< STATE_*: what is kept beside paths (render/state.hpp)
+  Layers layers;                             ///< of the film
   scene::Features features;
   RenderSettings asked;
   std::vector<Dropped> dropped;

@@ -37,6 +37,10 @@ reference::Settings reference_settings(const Plan& plan) {
   result.sampler_quality = plan.sampler_quality;
   result.ndf = plan.ndf;
   result.shadowing = plan.shadowing;
+  result.layers = static_cast<uint32_t>(plan.layers.names.size());
+  result.kind_layers = plan.layers.of_kind;
+  result.first_group_layer = plan.layers.first_group;
+  result.group_of_light = plan.layers.group_of_light;
   result.filter = {plan.filter, plan.filter_radius, plan.filter_sigma};
   return result;
 }

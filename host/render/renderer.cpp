@@ -194,6 +194,10 @@ void Renderer::continue_with(uint32_t first_sample, uint32_t samples) {
 std::vector<AovPixel> Renderer::surface_aovs() {
   return trace_surface_aovs(impl_->wavefront);
 }
+std::vector<RayIds> Renderer::ray_ids() const {
+  const gpu::Buffer& ids = impl_->wavefront.buffers.aov_ids;
+  return gpu::download_all<RayIds>(impl_->wavefront.device, ids, ids.size() / sizeof(RayIds));
+}
 std::vector<vec3> Renderer::surface_footprints() {
   return trace_surface_footprints(impl_->wavefront);
 }

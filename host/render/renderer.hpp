@@ -7,6 +7,7 @@
 
 #include "gpu/gpu.hpp"
 #include "prepared/prepared_scene.hpp"
+#include "render/cryptomatte.hpp"
 #include "render/film.hpp"
 #include "render/plan.hpp"
 #include "render/statistics.hpp"
@@ -36,6 +37,8 @@ class Renderer {
 
   /// What camera rays meet first, by pixel; empty unless a bit of SURFACE_AOVS is set. Not part of render().
   std::vector<interface::AovPixel> surface_aovs();
+  /// With CRYPTO_AOVS, after surface_aovs(): what each of its rays meets, AOV_RAYS of each pixel.
+  std::vector<RayIds> ray_ids() const;
 
   /// Path diffusion's footprint (lib/footprint.glsl) where the ray through each pixel's centre first meets a
   /// surface that diffuses; a variance of the position of infinity if it meets none. Empty without AOV_SIGMA.

@@ -30,9 +30,16 @@ struct Window {
 inline constexpr uint32_t AOV_ALBEDO = 1, AOV_SHADING_NORMAL = 2, AOV_GEOMETRIC_NORMAL = 4, AOV_POSITION = 8,
                           AOV_DEPTH = 16, AOV_MATERIAL = 32, AOV_INSTANCE = 64, AOV_VARIANCE = 128,
                           AOV_SAMPLES = 256, AOV_SIGMA = 512;
+/// Light of one kind (interface::LIGHT_*) and of each group of lights (scene/light_groups.hpp).
+inline constexpr uint32_t AOV_EMISSION = 1u << 10, AOV_DIRECT = 1u << 11, AOV_CAUSTICS = 1u << 12,
+                          AOV_INDIRECT = 1u << 13, AOV_LIGHTS = 1u << 14;
+inline constexpr uint32_t LIGHT_AOVS = AOV_EMISSION | AOV_DIRECT | AOV_CAUSTICS | AOV_INDIRECT | AOV_LIGHTS;
+/// Cryptomattes (render/cryptomatte.hpp).
+inline constexpr uint32_t AOV_CRYPTO_OBJECT = 1u << 15, AOV_CRYPTO_MATERIAL = 1u << 16;
+inline constexpr uint32_t CRYPTO_AOVS = AOV_CRYPTO_OBJECT | AOV_CRYPTO_MATERIAL;
 /// Those that say what camera rays meet first.
 inline constexpr uint32_t SURFACE_AOVS = AOV_ALBEDO | AOV_SHADING_NORMAL | AOV_GEOMETRIC_NORMAL |
-                                         AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE;
+                                         AOV_POSITION | AOV_DEPTH | AOV_MATERIAL | AOV_INSTANCE | CRYPTO_AOVS;
 
 /// Settings that are always done as asked: the same in RenderSettings and in the Plan made from them.
 struct CommonSettings {

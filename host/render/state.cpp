@@ -68,6 +68,10 @@ uint64_t count(uint32_t per, const Plan& plan, const StateSizes& sizes) {
       return 2 * list_strategies(plan.techniques, plan.max_depth).size() * plan.window().pixels();
     case PER_STRATEGY_PLACE:
       return strategy_layers(list_strategies(plan.techniques, plan.max_depth), plan.max_depth).size();
+    case PER_LAYER_PIXEL:
+      return (has(plan, TECHNIQUE_SPLAT) ? 2 : 1) * plan.layers.names.size() * plan.window().pixels();
+    case PER_LIGHT:
+      return plan.layers.group_of_light.size();
     default:
       throw std::logic_error(fmt::format("state table: there is no PER_ {}", per));
   }
@@ -117,6 +121,7 @@ uint32_t choose_state(const Plan& plan) {
   keep(STATE_FOOTPRINTS, has_diffusion && !has_light_subpaths);
   keep(STATE_SHARP, has_diffusion && has_light_subpaths);
   keep(STATE_STRATEGIES, plan.has_strategy_images);
+  keep(STATE_LAYERS, !plan.layers.names.empty());
   keep(STATE_CANDIDATES, has(plan, TECHNIQUE_NEE | TECHNIQUE_CONNECT));
   keep(STATE_SPLATS, has(plan, TECHNIQUE_SPLAT));
   keep(STATE_CACHE, has(plan, TECHNIQUE_CONNECT) && plan.cache_connections != 0);
@@ -125,6 +130,7 @@ uint32_t choose_state(const Plan& plan) {
   keep(STATE_VARYING_STARTS, plan.features.has_varying_starts);
   keep(STATE_SQUARES, (plan.aovs & AOV_VARIANCE) != 0);
   keep(STATE_SURFACES, (plan.aovs & SURFACE_AOVS) != 0);
+  keep(STATE_IDS, (plan.aovs & CRYPTO_AOVS) != 0);
   keep(STATE_SIGMA, (plan.aovs & AOV_SIGMA) != 0);
   return state;
 }
@@ -155,9 +161,10 @@ uint64_t bytes_per_light_vertex(const Plan& plan) {
 PixelBytes bytes_per_pixel(const Plan& plan) {
   PixelBytes bytes{0, 0};
   for (const StateArray& array : STATE_ARRAYS) {
-    if (array.per != PER_PIXEL || !is_kept(array, plan)) continue;
-    bytes.all += array.bytes;
-    bytes.largest = std::max(bytes.largest, array.bytes);
+    if ((array.per != PER_PIXEL && array.per != PER_LAYER_PIXEL) || !is_kept(array, plan)) continue;
+    const uint64_t own = array.bytes * (count(array.per, plan, {}) / plan.window().pixels());
+    bytes.all += own;
+    bytes.largest = std::max(bytes.largest, own);
   }
   return bytes;
 }

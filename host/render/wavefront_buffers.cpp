@@ -37,6 +37,20 @@ void check_strategy_images(const gpu::Device& device, const Plan& plan) {
                     strategies, bytes >> 20, device.free_bytes() >> 20));
 }
 
+// Likewise of layers.
+void check_layers(const gpu::Device& device, const Plan& plan) {
+  const uint64_t layers = plan.layers.names.size() * ((plan.techniques & TECHNIQUE_SPLAT) != 0 ? 2 : 1);
+  const uint64_t words = layers * plan.window().pixels() * FILM_WORDS_PER_PIXEL;
+  const uint64_t bytes = words * sizeof(uint32_t);
+  if (words >= INVALID_INDEX || bytes > device.free_bytes())
+    throw Error(
+        ErrorCode::Failed,
+        fmt::format(
+            "{} kinds and groups of light need {} MiB of device memory, {} MiB are free; use a smaller "
+            "picture, or put nodes into one extras.regulus.light_group",
+            plan.layers.names.size(), bytes >> 20, device.free_bytes() >> 20));
+}
+
 }  // namespace
 
 WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const Camera& camera,
@@ -63,8 +77,14 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.light_head_modulus = plan.is_per_wave ? 0 : plan.light_paths;
   frame_.pair_capacity = capacity * plan.connections_per_vertex;
   frame_.cache_connections = plan.cache_connections;
+  frame_.layer_count = static_cast<uint32_t>(plan.layers.names.size());
+  const auto& kinds = plan.layers.of_kind;
+  frame_.kind_layers = {kinds[0], kinds[1], kinds[2], kinds[3]};
+  frame_.first_group_layer = plan.layers.first_group;
   if (plan.keeps(STATE_STRATEGIES)) check_strategy_images(device, plan);
+  if (plan.keeps(STATE_LAYERS)) check_layers(device, plan);
   allocate(device, false);
+  if (plan.keeps(STATE_LAYERS)) device.upload(light_groups, 0, gpu::bytes_of(plan.layers.group_of_light));
   const std::vector<QueueHead> heads((uint64_t{plan.max_depth} + 1) * QUEUES_PER_BOUNCE, {0, 1, 1, 0});
   empty_heads = gpu::upload_new(device, heads, "empty queue heads");
   if (plan.keeps(STATE_STRATEGIES))

@@ -22,9 +22,10 @@ bool is_distant(const interface::Light& light) {
 class LightList {
  public:
   /// Index of the added light, or INVALID_INDEX if it has no power.
-  uint32_t add(const interface::Light& light, double power, const LightBounds& bounds = {}) {
+  uint32_t add(const interface::Light& light, double power, uint32_t node, const LightBounds& bounds = {}) {
     if (!(power > 0)) return interface::INVALID_INDEX;
     lights_.push_back(light);
+    nodes_.push_back(node);
     powers_.push_back(power);
     for_tree_.push_back({is_distant(light), bounds, power});
     return static_cast<uint32_t>(lights_.size() - 1);
@@ -34,6 +35,7 @@ class LightList {
 
   void move_to(Scene& scene) {
     scene.lights = std::move(lights_);
+    scene.light_nodes = std::move(nodes_);
     scene.light_aliases.clear();
     scene.light_tree = build_light_tree(for_tree_);
     if (scene.lights.empty()) {
@@ -47,6 +49,7 @@ class LightList {
 
  private:
   std::vector<interface::Light> lights_;
+  std::vector<uint32_t> nodes_;
   std::vector<double> powers_;
   std::vector<TreeLight> for_tree_;
 };
@@ -101,6 +104,11 @@ bool is_punctual(const interface::Light& light) {
   return light.kind != interface::LIGHT_TRIANGLE && light.kind != interface::LIGHT_ENVIRONMENT;
 }
 
+/// Of what comes from no file there are none.
+uint32_t entry_of(const std::vector<uint32_t>& nodes, size_t index) {
+  return index < nodes.size() ? nodes[index] : interface::INVALID_INDEX;
+}
+
 /// By material that shows light: m^2 of its triangles; infinite if some are shared by copies.
 std::vector<double> shining_areas(const Scene& scene) {
   std::vector<double> areas(scene.materials.size(), 0);
@@ -124,11 +132,13 @@ void build_lights(Scene& scene) {
   const std::vector<double> areas = shining_areas(scene);
   for (size_t i = 0; i < scene.materials.size(); ++i)
     film_range.add_visible(glm::dvec3(scene.materials[i].emission), areas[i]);
-  for (const interface::Light& light : scene.lights)
-    if (is_punctual(light)) {
-      list.add(light, punctual_power(light, scene_radius), punctual_bounds(light));
-      film_range.add_punctual(light);
-    }
+  for (size_t i = 0; i < scene.lights.size(); ++i) {
+    const interface::Light& light = scene.lights[i];
+    if (!is_punctual(light)) continue;
+    list.add(light, punctual_power(light, scene_radius), entry_of(scene.light_nodes, i),
+             punctual_bounds(light));
+    film_range.add_punctual(light);
+  }
   // One that is dark counts: an animation may have turned it off.
   bool has_lamps = std::ranges::any_of(scene.lights, is_punctual);
   TrianglePower triangle_power(scene);
@@ -138,7 +148,9 @@ void build_lights(Scene& scene) {
     if ((scene.materials[triangle.material].flags & interface::MATERIAL_EMISSIVE) == 0) continue;
     const double area = triangle_area(scene, triangle);
     const double power = triangle_power(triangle, area);
-    triangle.light = list.add(triangle_light(scene, i, area), power, triangle_bounds(scene, triangle, power));
+    triangle.light =
+        list.add(triangle_light(scene, i, area), power, entry_of(scene.place_nodes, triangle.instance),
+                 triangle_bounds(scene, triangle, power));
     film_range.add_power(power);
     has_lamps |= triangle.light != interface::INVALID_INDEX &&
                  scene.materials[triangle.material].emissive_texture == interface::INVALID_INDEX;
@@ -153,7 +165,8 @@ void build_lights(Scene& scene) {
   }
   uint32_t environment = interface::INVALID_INDEX;
   if (scene.environment) {
-    environment = list.add(environment_light(), environment_power(*scene.environment, scene_radius));
+    environment = list.add(environment_light(), environment_power(*scene.environment, scene_radius),
+                           interface::INVALID_INDEX);
     film_range.add_environment(*scene.environment);
   }
   scene.film_exponents = film_range.exponents();

@@ -18,6 +18,7 @@
 #include "scene/geometry.hpp"
 #include "scene/image_based_light.hpp"
 #include "scene/instancing.hpp"
+#include "scene/light_groups.hpp"
 #include "scene/material.hpp"
 #include "scene/nodes.hpp"
 #include "scene/origin.hpp"
@@ -247,6 +248,8 @@ struct SceneFile::Impl {
     std::vector<PlacedNode> nodes = place_nodes(document, scene_index);
     scene.path = path;
     std::vector<PlacedNode> places = place_meshes(document, nodes);
+    scene.nodes = read_nodes(document);
+    for (const PlacedNode& place : places) scene.place_nodes.push_back(static_cast<uint32_t>(place.node));
     drop_unreadable(document, places);
     require_vertices(document, places);
     pose_meshes(document, nodes, places);

@@ -81,6 +81,7 @@ void add_light(Document& document, const PlacedNode& placed, size_t index, Scene
     light.intensity[i] = finite_float(document, std::max(value, 0.0), name + ": intensity");
   }
   scene.lights.push_back(light);
+  scene.light_nodes.push_back(static_cast<uint32_t>(placed.node));
 }
 
 /// Thin lens of a camera: cameras[].extras.regulus.{lens_radius, focus_distance}, in metres.

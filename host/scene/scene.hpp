@@ -65,6 +65,12 @@ struct SharedMesh {
   uint32_t first_triangle, triangle_count;
 };
 
+/// A node of the file as outputs name it.
+struct SceneNode {
+  std::string name;         ///< "node" and its index if it has none
+  std::string light_group;  ///< of its lights (scene/light_groups.hpp)
+};
+
 /// A material whose texture slots are all empty, the rest 0.
 interface::Material untextured_material();
 
@@ -99,6 +105,9 @@ struct Scene {
   std::vector<interface::Texture> textures;
   std::vector<std::vector<uint32_t>> images;  ///< words of texels, see interface::Texture
   std::vector<interface::Light> lights;       ///< punctual after loading; all lights after build_lights
+  std::vector<SceneNode> nodes;               ///< of the file
+  std::vector<uint32_t> place_nodes;          ///< the node of each place of a mesh, see interface::Triangle
+  std::vector<uint32_t> light_nodes;          ///< of each light; INVALID_INDEX: the environment
   std::vector<interface::LightAlias> light_aliases;
   LightTree light_tree;          ///< empty with fewer than two lights
   FilmExponents film_exponents;  ///< by the lights; filled by build_lights

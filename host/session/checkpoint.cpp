@@ -77,10 +77,7 @@ Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& s
 
 void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film) {
   const render::Film& own = renderer.film();
-  if (own.splat_words.size() != film.splat_words.size() ||
-      own.earlier_words.size() != film.earlier_words.size() ||
-      own.square_words.size() != film.square_words.size() ||
-      own.light_paths_per_iteration != film.light_paths_per_iteration || own.exponents != film.exponents)
+  if (!render::have_same_sums(own, film) || own.light_paths_per_iteration != film.light_paths_per_iteration)
     throw Error(
         ErrorCode::BadFile,
         fmt::format("{}: holds other sums than this render needs; the file is corrupt", path.string()));

@@ -19,6 +19,9 @@ uint64_t bytes_per_pixel(const render::RenderSettings& settings, bool holds_sums
   uint64_t layers = 1;
   if ((settings.techniques.value_or(render::ALL_TECHNIQUES) & interface::TECHNIQUE_SPLAT) != 0) ++layers;
   if ((settings.aovs & render::AOV_VARIANCE) != 0) layers += 2;
+  // Of groups of lights as many as there are kinds.
+  const auto kinds = static_cast<uint64_t>(std::popcount(settings.aovs & render::LIGHT_AOVS));
+  layers += kinds * layers + ((settings.aovs & render::AOV_LIGHTS) != 0 ? interface::LIGHT_KINDS - 1 : 0);
   const uint64_t sums = layers * interface::FILM_WORDS_PER_PIXEL * sizeof(uint32_t);
   const uint64_t rgb = 3 * sizeof(float);
   const auto aovs = static_cast<uint64_t>(std::popcount(settings.aovs)) * rgb;  // none has more channels

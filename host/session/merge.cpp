@@ -25,16 +25,10 @@ void require_complete(const Part& part) {
 
 // The films must have the same sums: settings that agree make them so, unless a file was tampered with.
 void require_same_sums(const Part& a, const Part& b) {
-  const auto differ = [](const std::vector<uint32_t>& x, const std::vector<uint32_t>& y) {
-    return x.empty() != y.empty();  // their lengths follow from the crop
-  };
-  if (differ(a.film.splat_words, b.film.splat_words) || differ(a.film.earlier_words, b.film.earlier_words) ||
-      differ(a.film.square_words, b.film.square_words))
+  if (!render::have_same_sums(a.film, b.film))
     throw Error(ErrorCode::BadFile,
-                fmt::format("{} and {} hold different kinds of sums", a.path.string(), b.path.string()));
-  if (a.film.exponents != b.film.exponents)
-    throw Error(ErrorCode::BadFile,
-                fmt::format("{} and {} hold sums in different units", a.path.string(), b.path.string()));
+                fmt::format("{} and {} hold different kinds of sums, or in different units", a.path.string(),
+                            b.path.string()));
 }
 
 /// A range and the file that holds it.

@@ -195,16 +195,16 @@ std::string encode_part(const std::filesystem::path& path, const render::Film& f
 
 std::vector<std::string> saturation_warnings(const render::Film& film) {
   std::vector<std::string> warnings;
-  for (const render::FilmLayer& layer : render::FILM_LAYERS) {
-    const uint64_t count = render::count_saturated(film.*layer.words);
-    // What `earlier` holds is in the sums themselves.
-    if (count == 0 || layer.words == &render::Film::earlier_words) continue;
-    const bool is_squares = layer.words == &render::Film::square_words;
+  // What `earlier` and layers hold is in the sums themselves.
+  for (const std::vector<uint32_t>* words : {&film.words, &film.splat_words, &film.square_words}) {
+    const uint64_t count = render::count_saturated(*words);
+    if (count == 0) continue;
+    const bool is_squares = words == &film.square_words;
     const int exponent = is_squares ? film.exponents.squares : film.exponents.radiance;
     warnings.push_back(fmt::format("{} of the film's {} are beyond the {:.3g} that it holds: {}", count,
-                                   is_squares                            ? "sums of squares"
-                                   : layer.words == &render::Film::words ? "sums"
-                                                                         : "sums of splats",
+                                   is_squares             ? "sums of squares"
+                                   : words == &film.words ? "sums"
+                                                          : "sums of splats",
                                    std::ldexp(1.0, int{interface::FILM_RANGE_BITS} + exponent),
                                    is_squares ? "their variance is infinite" : "they show too little light"));
   }

@@ -8,6 +8,7 @@
 #include "base/process_usage.hpp"
 #include "base/version.hpp"
 #include "render/aov.hpp"
+#include "render/cryptomatte.hpp"
 #include "render/names.hpp"
 #include "scene/placement.hpp"
 
@@ -137,8 +138,7 @@ nlohmann::json stages_json(const render::Plan& plan, const render::RenderStatist
 // By name of the film's sums: how many left its range.
 nlohmann::json saturated_json(const render::Film& film) {
   nlohmann::json saturated;
-  for (const render::FilmLayer& layer : render::FILM_LAYERS)
-    saturated[layer.name] = render::count_saturated(film.*layer.words);
+  for (const auto& [name, words] : render::sums_of(film)) saturated[name] = render::count_saturated(*words);
   return saturated;
 }
 
@@ -218,6 +218,7 @@ image::Attributes scene_attributes(const scene::Scene& scene, const render::Plan
   for (const render::Dropped& entry : plan.dropped)
     dropped.push_back(fmt::format("{}: {}", entry.what, entry.why));
   attributes["regulus:dropped"] = fmt::format("{}", fmt::join(dropped, "; "));
+  render::add_cryptomatte_attributes(scene, plan.aovs, attributes);
   attributes["regulus:scene"] = scene.path.string();
   if (!scene.edits.empty()) attributes["regulus:edits"] = fmt::format("{}", fmt::join(scene.edits, " "));
   if (scene.pose) {

@@ -138,6 +138,8 @@ void take_picture(const PreparedScene& prepared, const render::Plan& plan, Resul
   render::Renderer& renderer = *result.renderer;
   if ((plan.aovs & render::SURFACE_AOVS) != 0 && !result.failure)
     render::add_surface_channels(renderer.surface_aovs(), plan.aovs, prepared.scene.origin, result.channels);
+  if ((plan.aovs & render::CRYPTO_AOVS) != 0 && !result.failure)
+    render::add_cryptomattes(prepared.scene, renderer.ray_ids(), plan.aovs, result.channels);
   if ((plan.aovs & render::AOV_SIGMA) != 0 && !result.failure)
     render::add_sigma_channels(renderer.surface_footprints(), result.channels);
   render::add_film_channels(renderer.film(), plan.aovs, result.channels);

@@ -186,6 +186,8 @@ void take_channels(const PreparedScene& prepared, const render::Plan& plan, cons
     if ((plan.aovs & render::SURFACE_AOVS) != 0)
       render::add_surface_channels(worker->renderer->surface_aovs(), plan.aovs, prepared.scene.origin,
                                    result.channels);
+    if ((plan.aovs & render::CRYPTO_AOVS) != 0)
+      render::add_cryptomattes(prepared.scene, worker->renderer->ray_ids(), plan.aovs, result.channels);
     if ((plan.aovs & render::AOV_SIGMA) != 0)
       render::add_sigma_channels(worker->renderer->surface_footprints(), result.channels);
     break;

@@ -68,6 +68,8 @@ TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, 
     image::Channels channels;
     if ((plan.aovs & render::SURFACE_AOVS) != 0)
       render::add_surface_channels(renderer.surface_aovs(), plan.aovs, prepared.scene.origin, channels);
+    if ((plan.aovs & render::CRYPTO_AOVS) != 0)
+      render::add_cryptomattes(prepared.scene, renderer.ray_ids(), plan.aovs, channels);
     if ((plan.aovs & render::AOV_SIGMA) != 0)
       render::add_sigma_channels(renderer.surface_footprints(), channels);
     render::add_film_channels(film, plan.aovs, channels);

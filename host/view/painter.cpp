@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "bench/full_range.hpp"
 #include "bench/page_text.hpp"
+#include "render/aov.hpp"
 #include "render/plan.hpp"
 
 namespace regulus::view {
@@ -31,14 +32,21 @@ image::Image deviation(const render::Film& film) {
   return image;
 }
 
+/// Its variance is known.
+bool can_be_denoised(const render::Film& film) {
+  return film.paths >= 2 * film.pixels();
+}
+
 }  // namespace
 
 Painter::Painter(gpu::Device& device, PreparedScene& prepared, const render::RenderSettings& base,
-                 const Orbit& home, Mailbox& mailbox, Board& board)
+                 const Orbit& home, const std::string& oidn, Mailbox& mailbox, Board& board)
     : device_(device),
       prepared_(prepared),
       base_(base),
       home_(home),
+      oidn_(oidn),
+      denoiser_(denoise::best_available(oidn)),
       own_camera_(prepared.scene.cameras.at(base.camera)),
       mailbox_(mailbox),
       board_(board) {
@@ -111,13 +119,16 @@ void Painter::paint(size_t side) {
     const auto has_picture = [&] { return canvas.posted_paths != 0; };
     canvas.renderer->render(
         [&](uint64_t paths, uint64_t) {
-          post_picture(side);
+          post_state(side);
           const bool is_wanted = !has_picture() || mailbox_.get().second == known;
           return paths < enough && is_wanted && !is_over_();
         },
         [&] { return is_over_() || (has_picture() && is_outdated(side)); });
     canvas.seconds += std::chrono::duration<double>(Clock::now() - start).count();
-    post_picture(side);
+    post_state(side);
+    if (wanted_.sides[side].shown == Shown::Denoised && can_be_denoised(canvas.renderer->film()) &&
+        !is_outdated(side))
+      post_picture(side, denoised(canvas));
   } catch (const Error& error) {
     if (error.code() == ErrorCode::NoDevice) throw;
     canvas = {};
@@ -126,14 +137,36 @@ void Painter::paint(size_t side) {
   }
 }
 
-void Painter::post_picture(size_t side) {
+/// Called between renders: it traces rays of its own.
+image::Image Painter::denoised(Canvas& canvas) {
+  const render::Film& film = canvas.renderer->film();
+  constexpr uint32_t SURFACES = render::AOV_ALBEDO | render::AOV_SHADING_NORMAL;
+  if (canvas.surfaces.empty())
+    render::add_surface_channels(canvas.renderer->surface_aovs(), SURFACES, prepared_.scene.origin,
+                                 canvas.surfaces);
+  image::Channels channels = canvas.surfaces;
+  render::add_film_channels(film, render::AOV_VARIANCE, channels);
+  image::Image image = resolve(film);
+  image.rgb = denoise::denoised(denoise::make_input(image, channels), denoiser_, oidn_);
+  return image;
+}
+
+/// What the film shows now, if that is new. Of what is denoised the first samples, noisy, until they are.
+void Painter::post_state(size_t side) {
   Canvas& canvas = canvases_[side];
   const render::Film& film = canvas.renderer->film();
-  const bool shows_deviation = wanted_.sides[side].shows_deviation;
-  if (film.paths <= canvas.posted_paths || film.paths < (shows_deviation ? 2 : 1) * film.pixels()) return;
+  const Shown shown = wanted_.sides[side].shown;
+  if (film.paths <= canvas.posted_paths || film.paths < (shown == Shown::Deviation ? 2 : 1) * film.pixels())
+    return;
+  if (shown == Shown::Denoised && canvas.posted_paths != 0 && can_be_denoised(film)) return;
+  post_picture(side, shown == Shown::Deviation ? deviation(film) : resolve(film));
+}
+
+void Painter::post_picture(size_t side, const image::Image& image) {
+  Canvas& canvas = canvases_[side];
+  const render::Film& film = canvas.renderer->film();
   canvas.posted_paths = film.paths;
   canvas.noise.observe(film);
-  const image::Image image = shows_deviation ? deviation(film) : resolve(film);
   board_.post(side == 0 ? Topic::FirstSide : Topic::SecondSide,
               event("picture", {{"side", side == 0 ? "a" : "b"},
                                 {"number", number_},

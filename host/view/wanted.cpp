@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "base/error.hpp"
@@ -42,6 +44,15 @@ bool truth(const json& object, const char* name) {
   return value.get<bool>();
 }
 
+constexpr const char* SHOWN_NAMES[] = {"picture", "denoised", "deviation"};  // as in Shown
+
+Shown parse_shown(const json& value) {
+  const auto found = std::ranges::find_if(
+      SHOWN_NAMES, [&](const char* name) { return value.is_string() && value.get<std::string>() == name; });
+  if (found == std::end(SHOWN_NAMES)) fail("shown", "picture, denoised or deviation");
+  return static_cast<Shown>(found - std::begin(SHOWN_NAMES));
+}
+
 Side parse_side(const json& object) {
   Side side;
   const json& techniques = member(object, "techniques");
@@ -50,7 +61,7 @@ Side parse_side(const json& object) {
   session::parse_technique_set(side.techniques);
   side.tau = number(object, "tau", 1e-6, 1e9);
   side.is_regularized = truth(object, "is_regularized");
-  side.shows_deviation = truth(object, "shows_deviation");
+  side.shown = parse_shown(member(object, "shown"));
   return side;
 }
 
@@ -75,7 +86,7 @@ json to_json(const Wanted& wanted) {
     result[SIDE_NAMES[i]] = {{"techniques", side.techniques},
                              {"tau", side.tau},
                              {"is_regularized", side.is_regularized},
-                             {"shows_deviation", side.shows_deviation}};
+                             {"shown", SHOWN_NAMES[static_cast<size_t>(side.shown)]}};
   }
   if (wanted.orbit) {
     const Orbit& orbit = *wanted.orbit;
@@ -103,7 +114,10 @@ render::RenderSettings settings_of(const Side& side, render::RenderSettings base
   base.techniques = techniques == 0 ? std::nullopt : std::optional(techniques);
   base.tau = static_cast<float>(side.tau);
   if (!side.is_regularized) base.regularization = interface::REGULARIZATION_NONE;
-  if (side.shows_deviation) base.aovs |= render::AOV_VARIANCE;
+  // Denoised pictures: what either denoiser can use.
+  if (side.shown == Shown::Denoised)
+    base.aovs |= render::AOV_ALBEDO | render::AOV_SHADING_NORMAL | render::AOV_EMISSION;
+  if (side.shown != Shown::Picture) base.aovs |= render::AOV_VARIANCE;
   base.keeps_doublings = true;
   return base;
 }

@@ -14,12 +14,15 @@
 
 namespace regulus::view {
 
+/// What of a picture is looked at.
+enum class Shown { Picture, Denoised, Deviation };  // the last: the standard deviation of each pixel
+
 /// How one of the two pictures is rendered and shown.
 struct Side {
   std::string techniques = "pt";  ///< an integrator, or techniques separated by commas
   double tau = 0;                 ///< 1/sr
   bool is_regularized = true;     ///< as the techniques suggest; false: not at all
-  bool shows_deviation = false;   ///< the standard deviation of each pixel in place of the picture
+  Shown shown = Shown::Picture;
   bool operator==(const Side&) const = default;
 };
 
@@ -35,7 +38,8 @@ nlohmann::json to_json(const Wanted& wanted);
 /// @throws regulus::Error (BadUsage) that names what is missing, of the wrong kind or out of range
 Wanted parse_wanted(const std::string& text);
 
-/// The settings of a side: `base` with what the side says. @throws regulus::Error (BadUsage)
+/// The settings of a side: `base` with what the side says, and AOVs that what is shown needs.
+/// @throws regulus::Error (BadUsage)
 render::RenderSettings settings_of(const Side& side, render::RenderSettings base);
 
 /// Hands what is wanted from the threads of the server to the one that renders.

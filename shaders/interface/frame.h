@@ -61,6 +61,9 @@ struct Frame {
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
   uint vertex_uv_sets;
+  uint layer_count;            // films in layer_film, without those of splats
+  uvec4 kind_layers;           // the layer of each kind of light, LIGHT_*, or INVALID_INDEX
+  uint first_group_layer;      // those of groups follow; INVALID_INDEX: there are none
   uint camera_media;           // with FEATURE_CONTACTS: index of the MediaSet where camera rays start, or MEDIA_VARY
   uint lens_medium;            // with FEATURE_CONTACTS: material of the medium from the lens to the near plane, or INVALID_INDEX
   // Only with RAYS_HARDWARE: which stored triangles the device's structure holds beside those of copies.
@@ -68,7 +71,7 @@ struct Frame {
   uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
   uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 756);
+REGULUS_LAYOUT(Frame, 844);
 
 // Push constants of every stage.
 struct StageArguments {

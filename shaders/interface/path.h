@@ -60,6 +60,21 @@ struct PathMedia {
 };
 REGULUS_LAYOUT(PathMedia, 48);
 
+// What a path, or a subpath so far, has scattered at: a surface diffuses or is sharp (lib/regularization.glsl).
+REGULUS_CONSTANT TRAIL_DIFFUSED_FIRST = 1u;   // the vertex next to the lens diffuses
+REGULUS_CONSTANT TRAIL_DIFFUSED_BEYOND = 2u;  // another one does
+REGULUS_CONSTANT TRAIL_SHARP = 4u;            // a vertex is sharp
+REGULUS_CONSTANT TRAIL_BITS = 7u;
+REGULUS_CONSTANT TRAIL_GROUP_SHIFT = 3u;      // above them the group of the light, of paths that have one
+
+// Kinds of light by what it has scattered at on its way to the lens; every path has one. (L: light, E: eye, D: a vertex that
+// diffuses, S: one that is sharp, *: any number, +: one at least.)
+REGULUS_CONSTANT LIGHT_EMISSION = 0u;  // L S* E
+REGULUS_CONSTANT LIGHT_DIRECT = 1u;    // L D E
+REGULUS_CONSTANT LIGHT_CAUSTICS = 2u;  // L S+ D E
+REGULUS_CONSTANT LIGHT_INDIRECT = 3u;  // the rest
+REGULUS_CONSTANT LIGHT_KINDS = 4u;
+
 // The vertices of one light path: the last one stored, from which the others follow by `link`.
 struct LightPathHead {
   uint last;

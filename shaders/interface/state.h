@@ -16,7 +16,9 @@ REGULUS_CONSTANT STATE_HISTORIES = 1u << 3;   // sampler quality or `both`: a Pa
 REGULUS_CONSTANT STATE_FOOTPRINTS = 1u << 4;  // path diffusion without light subpaths: camera paths carry their footprint
 REGULUS_CONSTANT STATE_SHARP = 1u << 5;       // path diffusion with light subpaths: their accumulators for both of its levels
 REGULUS_CONSTANT STATE_STRATEGIES = 1u << 6;  // images of single strategies
-REGULUS_CONSTANT STATE_OF_KERNELS = 0xFFu;
+REGULUS_CONSTANT STATE_LAYERS = 1u << 7;      // light of single kinds and lamps (lib/layers.glsl)
+REGULUS_CONSTANT STATE_IDS = 1u << 17;        // of AOVs: what each ray meets, for cryptomattes
+REGULUS_CONSTANT STATE_OF_KERNELS = 0xFFu | STATE_IDS;
 // Bits that the host alone asks for:
 REGULUS_CONSTANT STATE_CANDIDATES = 1u << 8;        // segments of `nee` and `connect`
 REGULUS_CONSTANT STATE_SPLATS = 1u << 9;            // a film of `splat`
@@ -43,6 +45,8 @@ REGULUS_CONSTANT PER_CELL_SUM = 10u;       // cell of the grid and one more, and
 REGULUS_CONSTANT PER_PIXEL = 11u;          // that is rendered
 REGULUS_CONSTANT PER_STRATEGY_PIXEL = 12u; // pixel of each strategy's two images
 REGULUS_CONSTANT PER_STRATEGY_PLACE = 13u; // see strategy_layers()
+REGULUS_CONSTANT PER_LAYER_PIXEL = 14u;    // pixel of each layer, and once more for splats
+REGULUS_CONSTANT PER_LIGHT = 15u;          // of the scene
 
 REGULUS_INTERFACE_END
 

@@ -14,6 +14,8 @@ STATE(light_receivers,         LightReceiver,       1,                    PER_PA
 STATE(path_histories,          PathHistory,         1,                    PER_PATH,           STATE_HISTORIES)
 // lib/footprint.glsl
 STATE(path_footprints,         vec3,                1,                    PER_PATH,           STATE_FOOTPRINTS | STATE_SIGMA)
+// Trail of the path on arrival, and of light paths the group (interface/path.h).
+STATE(path_trails,             uint,                1,                    PER_PATH,           STATE_LAYERS)
 STATE(path_media,              PathMedia,           1,                    PER_PATH,           STATE_MEDIA)
 // Accumulators (A, B) for a camera that sees the vertex sharply (lib/mis.glsl).
 STATE(light_path_sharp,        vec2,                1,                    PER_PATH,           STATE_SHARP)
@@ -29,9 +31,12 @@ STATE(escaped,                 uint,                1,                    PER_PA
 STATE(candidates,              VisibilityCandidate, 1,                    PER_CANDIDATE,      STATE_CANDIDATES)
 STATE(candidate_media,         PathMedia,           1,                    PER_CANDIDATE,      STATE_MEDIA)
 STATE(candidate_strategies,    StrategyCandidate,   1,                    PER_CANDIDATE,      STATE_STRATEGIES)
+// Trail of the whole path, and its light's group.
+STATE(candidate_trails,        uint,                1,                    PER_CANDIDATE,      STATE_LAYERS)
 STATE(splats,                  SplatCandidate,      1,                    PER_SPLAT,          STATE_ALWAYS)
 STATE(splat_media,             PathMedia,           1,                    PER_SPLAT,          STATE_MEDIA)
 STATE(splat_strategies,        StrategyCandidate,   1,                    PER_SPLAT,          STATE_STRATEGIES)
+STATE(splat_trails,            uint,                1,                    PER_SPLAT,          STATE_LAYERS)
 STATE(pairs,                   ConnectionPair,      MATERIAL_CLASS_COUNT, PER_PAIR,           STATE_ALWAYS)
 
 // ---- vertices that connections and merges join
@@ -39,9 +44,11 @@ STATE(camera_vertices,         PathVertex,          1,                    PER_CA
 STATE(camera_vertex_histories, PathHistory,         1,                    PER_CAMERA_VERTEX,  STATE_HISTORIES)
 // On the side that the path arrived from.
 STATE(camera_vertex_media,     MediaSet,            1,                    PER_CAMERA_VERTEX,  STATE_MEDIA)
+STATE(camera_vertex_trails,    uint,                1,                    PER_CAMERA_VERTEX,  STATE_LAYERS)
 STATE(light_heads,             LightPathHead,       1,                    PER_LIGHT_PATH,     STATE_ALWAYS)
 STATE(light_vertices,          PathVertex,          1,                    PER_LIGHT_VERTEX,   STATE_ALWAYS)
 STATE(light_vertex_histories,  PathHistory,         1,                    PER_LIGHT_VERTEX,   STATE_HISTORIES)
+STATE(light_vertex_trails,     uint,                1,                    PER_LIGHT_VERTEX,   STATE_LAYERS)
 STATE(light_vertex_media,      MediaSet,            1,                    PER_LIGHT_VERTEX,   STATE_MEDIA)
 STATE(light_vertex_sharp,      vec2,                1,                    PER_LIGHT_VERTEX,   STATE_SHARP)
 // LIGHT_COUNT_* words; may exceed light_vertex_capacity, what does not fit is not stored.
@@ -65,8 +72,14 @@ STATE(film_earlier,            uint,                FILM_WORDS_PER_PIXEL, PER_PI
 // Sums of the squares of whole samples.
 STATE(film_squares,            uint,                FILM_WORDS_PER_PIXEL, PER_PIXEL,          STATE_SQUARES)
 STATE(aovs,                    AovPixel,            1,                    PER_PIXEL,          STATE_SURFACES)
+// Of each of the AOV_RAYS rays: instance and material that it meets, or INVALID_INDEX.
+STATE(aov_ids,                 uint,                2 * AOV_RAYS,         PER_PIXEL,          STATE_IDS)
 // Of each strategy two films, weighted and not (lib/strategies.glsl).
 STATE(strategy_film,           uint,                FILM_WORDS_PER_PIXEL, PER_STRATEGY_PIXEL, STATE_STRATEGIES)
+// The films of all layers, then those of their splats.
+STATE(layer_film,              uint,                FILM_WORDS_PER_PIXEL, PER_LAYER_PIXEL,    STATE_LAYERS)
+// The group of each light.
+STATE(light_groups,            uint,                1,                    PER_LIGHT,          STATE_LAYERS)
 // The number of a strategy, by the path's edges, s, and whether it is a merge.
 STATE(strategy_layers,         uint,                1,                    PER_STRATEGY_PLACE, STATE_STRATEGIES)
 // 64 bits each, see COUNTER_*.

@@ -5,6 +5,7 @@
 #include "lib/film.glsl"
 #include "lib/footprint.glsl"
 #include "lib/history.glsl"
+#include "lib/layers.glsl"
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
@@ -85,6 +86,10 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   uint index = append_candidate(candidate);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index, ray_media(point, light.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)));
+  if (has_layers()) {
+    uint trail = LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, path.bounce == 0u);
+    STORE(WordBuffer, frame.candidate_trails, index, trail | group_trail(frame, light.index));
+  }
   if (has_strategies()) {
     uint layer = strategy_layer(frame, 1u, path.bounce + 2u, false);
     STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * measured.unweighted, layer));
@@ -133,6 +138,10 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
   path.medium = medium_towards(frame, point, path.medium, next.wi.z);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.path_media, slot, ray_media(point, direction, next.wi.z, hit.triangle, vec2(hit.u, hit.v)));
+  if (has_layers()) {
+    uint trail = LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, path.bounce == 0u);
+    STORE(WordBuffer, frame.path_trails, slot, trail);
+  }
   path.bounce += 1u;
   if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;
   STORE(PathBuffer, frame.paths, slot, path);
@@ -153,6 +162,8 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory
   vertex.mis_b = path.mis_b;
   vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
   STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
+  if (has_layers())
+    STORE(WordBuffer, frame.camera_vertex_trails, slot, LOAD(WordBuffer, frame.path_trails, slot));
   if (has_contacts()) STORE(MediaSetBuffer, frame.camera_vertex_media, slot, point.around);
   if (has_histories()) STORE(PathHistoryBuffer, frame.camera_vertex_histories, slot, history);
 }

@@ -23,6 +23,7 @@ struct LightSample {
                          // times p_trace / p_connect of the light point (docs/mathematics.md 3.2)
   bool is_delta;
   float bound;    // rho-bar of the light, see lib/history.glsl, 1/sr
+  uint index;     // of the light
 };
 
 // rho-bar of lights: Lambertian emission, also of what is infinitely far away; a point light's is isotropic.
@@ -203,6 +204,7 @@ LightSample sample_light(Frame frame, LightReceiver receiver, vec4 u) {
   float emission_selection_pdf = light.selection_pdf;
   if (spec_light_sampling != LIGHT_SAMPLING_POWER) light.selection_pdf = choice.probability;
   result = sample_point_of_light(frame, light, receiver.position, u.zw);
+  result.index = choice.light;
   if (spec_light_sampling != LIGHT_SAMPLING_POWER) result.emission_ratio *= emission_selection_pdf / choice.probability;
   return result;
 }

@@ -5,6 +5,7 @@
 
 #include "lib/camera.glsl"
 #include "lib/history.glsl"
+#include "lib/layers.glsl"
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
@@ -12,7 +13,8 @@
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
-void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head) {
+void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head,
+                        uint slot) {
   uint index = ATOMIC_ADD(frame.light_vertex_count, LIGHT_COUNT_VERTICES, 1u);
   if (index >= frame.light_vertex_capacity) return;
   LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
@@ -28,6 +30,8 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT |
                  (path.pixel & PATH_VERTEX_STREAM_MASK) << PATH_VERTEX_STREAM_SHIFT;
   STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
+  if (has_layers())
+    STORE(WordBuffer, frame.light_vertex_trails, index, LOAD(WordBuffer, frame.path_trails, slot));
   if (has_contacts()) STORE(MediaSetBuffer, frame.light_vertex_media, index, point.around);
   if (has_sharp_levels()) STORE(Vec2Buffer, frame.light_vertex_sharp, index, sharp);
   if (has_histories()) STORE(PathHistoryBuffer, frame.light_vertex_histories, index, history);
@@ -51,9 +55,12 @@ float first_range_share(Frame frame, Path path, float distance) {
   return range_share(LOAD(LightBuffer, frame.lights, select_by_power(frame, u.xy)), square(distance));
 }
 
-// media: where the segment starts; edges: of the light path; unweighted: the contribution without its weight.
-void queue_splat(Frame frame, VisibilityCandidate segment, PathMedia media, vec2 film, uint edges, vec3 unweighted) {
+// media: where the segment starts; edges: of the light path; trail: of the whole path, with its group; unweighted: the
+// contribution without its weight.
+void queue_splat(Frame frame, VisibilityCandidate segment, PathMedia media, vec2 film, uint edges, uint trail,
+                 vec3 unweighted) {
   uint index = append_splat(SplatCandidate(segment, film));
+  if (has_layers()) STORE(WordBuffer, frame.splat_trails, index, trail);
   if (has_contacts()) STORE(PathMediaBuffer, frame.splat_media, index, media);
   if (has_strategies())
     STORE(StrategyCandidateBuffer, frame.splat_strategies, index,
@@ -71,7 +78,7 @@ bool is_off_film(Frame frame, vec2 film) {
 
 // Technique `splat`: queues the segment to the lens with what it would contribute.
 void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
-                     TechniqueCounts counts, Hit hit) {
+                     TechniqueCounts counts, Hit hit, uint slot) {
   if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
   vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
@@ -107,8 +114,10 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
       visibility_segment(point, lens.wi, point.surface.position + lens.open_distance * lens.wi);
   segment.path = 0u;
   segment.contribution = contribution;
+  uint trail = 0u;
+  if (has_layers()) trail = LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, true);
   queue_splat(frame, segment, ray_media(point, lens.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)), lens.film, path.bounce + 1u,
-              factor * unweighted);
+              trail, factor * unweighted);
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: a path survives with the bsdf's own factor.
@@ -157,6 +166,8 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   path.medium = medium_towards(frame, point, path.medium, next.wi.z);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.path_media, slot, ray_media(point, direction, next.wi.z, hit.triangle, vec2(hit.u, hit.v)));
+  if (has_layers())
+    STORE(WordBuffer, frame.path_trails, slot, LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, false));
   path.bounce += 1u;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);

@@ -9,6 +9,17 @@
 #include "lib/pairs.glsl"
 #include "lib/thickness.glsl"
 
+// The light of the emitter that the path has met.
+void add_emission(Frame frame, ShadingPoint point, Path path, vec3 emitted, uint slot) {
+  if (has_layers()) {
+    uint trail = LOAD(WordBuffer, frame.path_trails, slot) | group_trail(frame, point.surface.light);
+    if (!add_to_film(frame, trail, film_index(frame, path.pixel & PATH_PIXEL), emitted))
+      count_events(COUNTER_NON_FINITE, 1u);
+  } else {
+    STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+  }
+}
+
 void main() {
   uint i = item_index();
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
@@ -42,8 +53,7 @@ void main() {
   Weighted emission = emission_towards(frame, point, path, history, counts, slot);
   vec3 emitted = path.throughput * emission.value;
   if (any(greaterThan(emitted, vec3(0.0))))
-    STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) +
-                                                clamp_contribution(emitted, frame.largest_contribution));
+    add_emission(frame, point, path, clamp_contribution(emitted, frame.largest_contribution), slot);
   if (has_strategies())
     add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL),
                     clamp_contribution(emitted, frame.largest_contribution), path.throughput * emission.unweighted);

@@ -39,6 +39,7 @@ void main() {
     STORE(PathHistoryBuffer, frame.path_histories, slot,
           start_history(path.mis_a, path.mis_b, camera_bound(frame)));
   if (has_footprints()) STORE(Vec3Buffer, frame.path_footprints, slot, start_footprint(frame));
+  if (has_state(STATE_LAYERS)) STORE(WordBuffer, frame.path_trails, slot, 0u);
   STORE(Vec3Buffer, frame.radiance, slot, vec3(0.0));
   append_ray(0u, slot);
 }

@@ -5,6 +5,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/film.glsl"
 #include "lib/history.glsl"
+#include "lib/layers.glsl"
 #include "lib/queue.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
@@ -128,6 +129,12 @@ void main() {
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index,
           ray_media(camera_point, direction, camera_wi.z, camera.triangle, camera.barycentrics));
+  if (has_layers()) {
+    uint trail = LOAD(WordBuffer, frame.camera_vertex_trails, pair.slot);
+    trail |= LOAD(WordBuffer, frame.light_vertex_trails, pair.vertex);
+    trail |= vertex_trail(camera_point.bsdf, (camera.edges & PATH_VERTEX_EDGES) == 1u) | vertex_trail(light_point.bsdf, false);
+    STORE(WordBuffer, frame.candidate_trails, index, trail);
+  }
   if (has_strategies()) {
     uint layer = strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, (camera.edges & PATH_VERTEX_EDGES) + 1u, false);
     STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * value.unweighted, layer));

@@ -5,6 +5,7 @@
 #include "lib/environment.glsl"
 #include "lib/film.glsl"
 #include "lib/history.glsl"
+#include "lib/layers.glsl"
 #include "lib/light.glsl"
 #include "lib/queue.glsl"
 #include "lib/strategies.glsl"
@@ -33,7 +34,13 @@ void main() {
   }
   vec3 emitted =
       clamp_contribution(path.throughput * environment.radiance * weight, frame.largest_contribution);
-  STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+  if (has_layers()) {
+    uint trail = LOAD(WordBuffer, frame.path_trails, slot) | group_trail(frame, frame.environment.light);
+    if (!add_to_film(frame, trail, film_index(frame, path.pixel & PATH_PIXEL), emitted))
+      count_events(COUNTER_NON_FINITE, 1u);
+  } else {
+    STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
+  }
   if (has_strategies())
     add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL), emitted,
                     path.throughput * environment.radiance);

@@ -52,7 +52,7 @@ void main() {
   MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   if (is_connectible(point) && has_state(STATE_VERTICES)) {
     uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
-    store_light_vertex(frame, point, path, sharp, history, hit, head);
+    store_light_vertex(frame, point, path, sharp, history, hit, head, slot);
   }
   // The walk ends where the normals disagree about its arrival. A merge has the camera's surface here, where they may
   // agree: the vertex counts all the same.
@@ -64,7 +64,7 @@ void main() {
   MisVertex sharp_vertex = mis_light_vertex(counts, sharp.x, sharp.y, path.bounce + 1u);
   // A light path has at least one edge, and the edge to the lens comes on top.
   if (is_connectible(point) && path.bounce + 2u <= frame.max_depth) {
-    connect_to_lens(frame, point, path, sharp_vertex, history, counts, hit);
+    connect_to_lens(frame, point, path, sharp_vertex, history, counts, hit, slot);
   }
   // The next vertex would be edge bounce + 2, and one more edge has to lead to the camera.
   if (path.bounce + 3u <= frame.max_depth) scatter_light(frame, point, path, vertex, sharp_vertex, history, counts, hit, slot);

@@ -5,7 +5,7 @@
 #include "lib/emission.glsl"
 #include "lib/light_walk.glsl"
 
-void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, uint iteration) {
+void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, uint iteration, uint trail) {
   if (!connects_emitters() || stage.round != 0u) return;
   if (!(emission.area_pdf > 0.0)) return;
   vec4 u = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
@@ -29,7 +29,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
     segment.contribution *= transmittance(frame, medium_of(frame, media.around), lens.open_distance) *
                             transmittance_before_plane(frame, lens.distance - lens.open_distance);
   }
-  queue_splat(frame, segment, media, lens.film, 0u, segment.contribution);
+  queue_splat(frame, segment, media, lens.film, 0u, trail, segment.contribution);
 }
 
 void main() {
@@ -47,7 +47,12 @@ void main() {
   vec4 u_light = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION);
   vec4 u_direction = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
   Emission emission = sample_emission(frame, u_light, u_direction.xy);
-  connect_emitter_to_lens(frame, emission, light_path, iteration);
+  uint trail = 0u;
+  if (has_layers()) {
+    trail = group_trail(frame, select_by_power(frame, u_light.xy));
+    STORE(WordBuffer, frame.path_trails, slot, trail);
+  }
+  connect_emitter_to_lens(frame, emission, light_path, iteration, trail);
 
   Path path;
   path.origin = emission.origin;

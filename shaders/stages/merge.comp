@@ -6,6 +6,7 @@
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
 #include "lib/history.glsl"
+#include "lib/layers.glsl"
 #include "lib/queue.glsl"
 #include "lib/shading.glsl"
 #include "lib/strategies.glsl"
@@ -121,6 +122,9 @@ void main() {
     place -= near.count[range];
     range += 1u;
   }
+  uint pixel = film_index(frame, path.pixel & PATH_PIXEL), trail = 0u;
+  if (has_layers())
+    trail = LOAD(WordBuffer, frame.camera_vertex_trails, slot) | vertex_trail(gatherer.point.bsdf, gatherer.edges == 1u);
   FixedSum sum = FIXED_SUM_ZERO;
   bool is_valid = true;
   for (uint visit = visits.x; visit < visits.y; ++visit) {
@@ -136,14 +140,18 @@ void main() {
     if (gatherer.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
     Weighted contribution = merge_contribution(frame, gatherer, light, entry.vertex);
     contribution.value = clamp_contribution(contribution.value, frame.largest_contribution);
-    if (is_valid_sample(contribution.value))
+    if (has_layers()) {
+      uint whole_trail = trail | LOAD(WordBuffer, frame.light_vertex_trails, entry.vertex);
+      is_valid = add_to_film(frame, whole_trail, pixel, contribution.value) && is_valid;
+    } else if (is_valid_sample(contribution.value)) {
       fixed_sum_add(sum, contribution.value);
-    else
+    } else {
       is_valid = false;
+    }
     if (has_strategies())
       add_to_strategy(frame, strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, gatherer.edges + 1u, true),
-                      film_index(frame, path.pixel & PATH_PIXEL), contribution.value, contribution.unweighted);
+                      pixel, contribution.value, contribution.unweighted);
   }
   if (!is_valid) count_events(COUNTER_NON_FINITE, 1u);
-  film_add_sum(frame.film, film_index(frame, path.pixel & PATH_PIXEL), sum);
+  if (!has_layers()) film_add_sum(frame.film, pixel, sum);
 }

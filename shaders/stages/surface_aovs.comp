@@ -1,7 +1,7 @@
 // surface_aovs: what camera rays meet first, a function of the scene, the camera and the seed, whichever samples are
 // rendered. A dispatch traces ray `round` of each pixel, the last of them through the centres of the pixel and
 // of the lens; a loop over the rays here would take SwiftShader minutes to compile.
-// reads  frame.camera, scene, aovs          writes  aovs
+// reads  frame.camera, scene, aovs          writes  aovs, ids
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #define SCENE_QUERY_WITHOUT_MEDIA
@@ -43,12 +43,14 @@ void main() {
   if (ray > 0u) result = LOAD(AovPixelBuffer, frame.aovs, index);
   ShadingPoint point;
   Hit hit;
+  uvec2 ids = uvec2(INVALID_INDEX);
   if (meet(frame, vec2(pixel % frame.width, pixel / frame.width) + 0.5 + offset, is_centre ? vec2(0.5) : u.zw, point, hit)) {
+    ids = uvec2(placed_triangle(frame, hit.triangle).triangle.instance, point.surface.material);
     if (is_centre) {
       result.position = point.surface.position;
       result.depth = dot(result.position - frame.camera.position, frame.camera.forward);
-      result.material = point.surface.material;
-      result.instance = placed_triangle(frame, hit.triangle).triangle.instance;
+      result.material = ids.y;
+      result.instance = ids.x;
     } else {
       result.albedo += albedo_of(frame, point) / float(AOV_RAYS);
       result.shading_normal += point.normal / float(AOV_RAYS);
@@ -56,4 +58,8 @@ void main() {
     }
   }
   STORE(AovPixelBuffer, frame.aovs, index, result);
+  if (!has_state(STATE_IDS) || is_centre) return;
+  uint place = 2u * (index * AOV_RAYS + ray);
+  STORE(WordBuffer, frame.aov_ids, place, ids.x);
+  STORE(WordBuffer, frame.aov_ids, place + 1u, ids.y);
 }

@@ -4,6 +4,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "lib/camera.glsl"
 #include "lib/film.glsl"
+#include "lib/layers.glsl"
 #include "lib/queue.glsl"
 #include "lib/scene_query.glsl"
 #include "lib/strategies.glsl"
@@ -31,6 +32,8 @@ void main() {
       if (!(density > 0.0)) continue;
       uint index = uint((y - corner.y) * size.x + x - corner.x);
       film_add(frame.splat_film, index, contribution);
+      if (has_layers())
+        add_to_layers(frame, frame.layer_count, LOAD(WordBuffer, frame.splat_trails, i), index, contribution);
       if (has_strategies()) {
         StrategyCandidate strategy = LOAD(StrategyCandidateBuffer, frame.splat_strategies, i);
         add_to_strategy(frame, strategy.layer, index, contribution, density * strategy.unweighted);

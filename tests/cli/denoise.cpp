@@ -90,6 +90,22 @@ TEST_F(Denoise, GivesTheLibraryCleanPicturesAndKeepsTheNoisyOne) {
   EXPECT_EQ(plane(image::read_exr_contents(file("again.exr")), "R"), plane(out, "R"));
 }
 
+// What lamps show of themselves stays as it is: a denoiser spreads a pixel that is a thousand times as bright
+// as its neighbours over them.
+TEST_F(Denoise, LeavesLampsAsTheyAreSeen) {
+  const image::Image picture{2, 1, {1, 2, 3, 1004, 5, 6}};
+  image::Channels channels;
+  for (const char* component : {"R", "G", "B"}) {
+    channels[std::string("albedo.") + component] = Plane{0.5F, 0.5F};
+    channels[std::string("emission.") + component] = Plane{0, component[0] == 'R' ? 1000.0F : 0.0F};
+  }
+  image::write_exr(file("in.exr"), picture, {}, channels);
+  ASSERT_EQ(denoise("in.exr", "out.exr", {{"FAKE_OIDN_MOST", "6"}}).status, 0);
+  const image::ExrContents out = image::read_exr_contents(file("out.exr"));
+  EXPECT_EQ(plane(out, "R"), (Plane{1.25F, 1004.25F}));
+  EXPECT_EQ(plane(out, "noisy.R"), (Plane{1, 1004}));
+}
+
 TEST_F(Denoise, WithoutAlbedoGoesByColorsAlone) {
   write_picture("in.exr", false);
   const Finished finished = denoise("in.exr", "out.exr");

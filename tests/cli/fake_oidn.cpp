@@ -1,6 +1,6 @@
 // A library with the functions of Open Image Denoise that Regulus calls, whose results a test can foretell:
-// albedo and normal come back halved, a picture as color + albedo. What was called stands in the file
-// $FAKE_OIDN_LOG.
+// albedo and normal come back halved, a picture as color, $FAKE_OIDN_MOST at most, + albedo. What was called
+// stands in the file $FAKE_OIDN_LOG.
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -65,10 +65,13 @@ EXPORT void oidnExecuteFilter(void* filter) {
   }
   for (const auto& [name, value] : self->flags) line += name + (value ? "=1 " : "=0 ");
   log(line + std::to_string(strange));
+  const char* most = std::getenv("FAKE_OIDN_MOST");
+  const float brightest = most != nullptr ? std::strtof(most, nullptr) : INFINITY;
   for (size_t i = 0; i < count; ++i)
     self->images["output"][i] =
         self->images.contains("color")
-            ? self->images["color"][i] + (self->images.contains("albedo") ? self->images["albedo"][i] : 0)
+            ? std::fmin(self->images["color"][i], brightest) +
+                  (self->images.contains("albedo") ? self->images["albedo"][i] : 0)
             : (self->images.contains("albedo") ? self->images["albedo"][i] : self->images["normal"][i]) / 2;
 }
 EXPORT void oidnReleaseFilter(void* filter) {

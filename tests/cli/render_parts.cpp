@@ -51,7 +51,7 @@ TEST_F(RenderParts, MergedRangesAreTheirUnionBitByBit) {
   const std::vector<const char*> integrators =
       is_slow_device() ? std::vector{"pt"} : std::vector{"pt", "vcm"};
   for (const char* integrator : integrators) {
-    const Arguments own = {"-i", integrator, "--aov", "variance,samples,Z"};
+    const Arguments own = {"-i", integrator, "--aov", "variance,samples,Z,direct,lights"};
     const auto part = [&](const std::string& output, const std::string& range) {
       Arguments arguments = own;
       arguments.insert(arguments.end(), {"--samples", range});

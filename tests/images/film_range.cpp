@@ -65,8 +65,8 @@ TEST_F(FilmRange, RoomsOfAnyBrightnessAreTheSameRoom) {
     if (std::abs(exponent) <= 54) {
       EXPECT_LE(worst_variance, 1e-5);
     }
-    for (const render::FilmLayer& layer : render::FILM_LAYERS)
-      EXPECT_EQ(render::count_saturated(found.film.*layer.words), 0u) << layer.name;
+    for (const auto& [name, words] : render::sums_of(found.film))
+      EXPECT_EQ(render::count_saturated(*words), 0u) << name;
   }
 }
 

@@ -1,4 +1,6 @@
 // Views, automatic exposure and OpenEXR with fewer bits.
+#include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfInputFile.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -77,12 +79,16 @@ TEST(Storage, HalvesRoundColoursAndKeepTheRest) {
   Image image{2, 1, {1.0F + 1e-6F, 1e6F, 0.333333F, -1e6F, 3, 65504}};
   const Channels channels = {{"Z", depths},
                              {"albedo.R", std::vector<float>{0.1F, 0.2F}},
+                             {"CryptoObject00.R", std::vector<float>{-4.084619e15F, 2.790186e15F}},
                              {"material", std::vector<uint32_t>{7, 70'000}}};
   Encoding encoding;
   encoding.storage.has_half_floats = true;
   const auto file = folder.path() / "half.exr";
   test::write_bytes(
       file, encode_picture(Format::Exr, image, encoding, {{"regulus:seed", "3"}}, channels, {}, "half"));
+  const Imf::InputFile stored(file.c_str());
+  EXPECT_EQ(stored.header().channels()["albedo.R"].type, Imf::HALF);
+  EXPECT_EQ(stored.header().channels()["CryptoObject00.R"].type, Imf::FLOAT) << "the bits are an id";
   Attributes attributes;
   const Image read = read_exr(file, &attributes);
   EXPECT_EQ(read.largest_finite, 65504) << "all colours are halves";

@@ -148,5 +148,60 @@ TEST(Film, SumsOfPartsCarryFromWordToWord) {
   EXPECT_EQ(a.paths, 6u);
 }
 
+/// A film of two layers, one of them with a name that others begin with, and splats.
+Film layered(uint32_t first) {
+  Film film = empty_film(2, 1, 2);
+  film.layers = {{"light_a"}, {"light_a-b"}};
+  film.light_paths = 2;
+  film.light_paths_per_iteration = 2;
+  for (const auto& [name, words] : sums_of(film)) {
+    if (name == "earlier" || name == "squares") continue;
+    words->assign(film.pixels() * WORDS, 0);
+    for (size_t i = 0; i < words->size(); i += 3) (*words)[i] = first++;
+  }
+  return film;
+}
+
+void expect_same_sums(const Film& a, const Film& b) {
+  ASSERT_TRUE(have_same_sums(a, b));
+  const auto of_a = sums_of(a), of_b = sums_of(b);
+  for (size_t i = 0; i < of_a.size(); ++i) EXPECT_EQ(*of_a[i].words, *of_b[i].words) << of_a[i].name;
+}
+
+TEST(FilmFile, KeepsLayersInTheirOrder) {
+  const Film film = layered(1);
+  image::ExrContents contents{.width = 2, .height = 1};
+  add_film(film, contents.channels, contents.attributes);
+  const Film read = take_film("part.exr", contents);
+  EXPECT_TRUE(contents.channels.empty());
+  ASSERT_EQ(read.layers.size(), 2u);
+  EXPECT_EQ(read.layers[0].name, "light_a");
+  expect_same_sums(read, film);
+}
+
+TEST(FilmFile, AddsAndPlacesLayers) {
+  Film sum = layered(1);
+  add(sum, layered(1000));
+  const Film first = layered(1), second = layered(1000);
+  const auto of_sum = sums_of(sum);
+  for (size_t k = 0; k < of_sum.size(); ++k)
+    for (size_t i = 0; i < of_sum[k].words->size(); ++i)
+      EXPECT_EQ((*of_sum[k].words)[i], (*sums_of(first)[k].words)[i] + (*sums_of(second)[k].words)[i]);
+  Film whole = empty_like(first, 2, 2);
+  place(first, 0, 0, whole);
+  place(second, 0, 1, whole);
+  for (size_t i = 0; i < 2 * WORDS; ++i) {
+    EXPECT_EQ(whole.layers[1].splat_words[i], first.layers[1].splat_words[i]);
+    EXPECT_EQ(whole.layers[1].splat_words[2 * WORDS + i], second.layers[1].splat_words[i]);
+  }
+  Film other = layered(1);
+  other.layers[1].name = "light_c";
+  EXPECT_FALSE(have_same_sums(first, other));
+  // Layers share the sums of the film among them.
+  EXPECT_EQ(resolve(film_of_layer(first, first.layers[0])).rgb[0],
+            static_cast<float>(std::ldexp(
+                double(first.layers[0].words[0]) + double(first.layers[0].splat_words[0]), -FRACTION)));
+}
+
 }  // namespace
 }  // namespace regulus::render

@@ -41,15 +41,16 @@ function controls(side) {
   const tau = element("input", { id: id("tau"), type: "range", min: 0, max: 1, step: 0.01, value: Math.log(own.tau / TAU[0]) / Math.log(TAU[1] / TAU[0]) });
   const tauText = element("output", {}), showTau = () => { tauText.textContent = number(own.tau); };
   const regularized = element("input", { id: id("regularized"), type: "checkbox" });
-  const view = element("select", { id: id("view") }, option("picture", "picture"), option("deviation", "standard deviation"));
+  const view = element("select", { id: id("view") }, option("picture", "picture"), option("denoised", "denoised"),
+    option("deviation", "standard deviation"));
   techniques.value = own.techniques;
   regularized.checked = own.is_regularized;
-  view.value = own.shows_deviation ? "deviation" : "picture";
+  view.value = own.shown;
   showTau();
   change(techniques, () => { own.techniques = techniques.value; });
   change(tau, () => { own.tau = TAU[0] * (TAU[1] / TAU[0]) ** Number(tau.value); showTau(); }, "input");
   change(regularized, () => { own.is_regularized = regularized.checked; });
-  change(view, () => { own.shows_deviation = view.value === "deviation"; });
+  change(view, () => { own.shown = view.value; });
   return element("div", { class: "controls", id: id("controls") }, label("Techniques", techniques), label("Regularized", regularized), label("tau", tau), tauText, label("Show", view), texts[side]);
 }
 

@@ -1,0 +1,67 @@
+#include "render/layers.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+
+#include "render/settings.hpp"
+#include "scene/light_groups.hpp"
+
+namespace regulus::render {
+
+using namespace interface;
+
+namespace {
+
+struct Kind {
+  uint32_t aov, kind;
+  const char* name;
+};
+// By name.
+constexpr Kind KINDS[] = {{AOV_CAUSTICS, LIGHT_CAUSTICS, "caustics"},
+                          {AOV_DIRECT, LIGHT_DIRECT, "direct"},
+                          {AOV_EMISSION, LIGHT_EMISSION, "emission"},
+                          {AOV_INDIRECT, LIGHT_INDIRECT, "indirect"}};
+
+/// Nuke makes whatever is no letter and no digit an underscore, and a dot would begin the component. Names of
+/// channels have 255 bytes at most.
+std::string channel_of_group(std::string name) {
+  constexpr size_t MOST_BYTES = 200;
+  std::ranges::replace_if(
+      name, [](unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }, '_');
+  return "light_" + name.substr(0, MOST_BYTES);
+}
+
+void add_groups(const scene::Scene& scene, Layers& layers) {
+  const scene::LightGroups groups = scene::light_groups(scene);
+  if (groups.names.empty()) return;
+  std::map<std::string, uint32_t> numbers;  // groups that the channels do not tell apart are one
+  for (const std::string& name : groups.names) numbers[channel_of_group(name)] = 0;
+  layers.first_group = static_cast<uint32_t>(layers.names.size());
+  uint32_t number = 0;
+  for (auto& [name, own] : numbers) {
+    own = number++;
+    layers.names.push_back(name);
+  }
+  for (const uint32_t group : groups.of_light)
+    layers.group_of_light.push_back(numbers.at(channel_of_group(groups.names[group])));
+}
+
+}  // namespace
+
+Layers choose_layers(const scene::Scene& scene, uint32_t aovs) {
+  Layers layers;
+  layers.of_kind.fill(INVALID_INDEX);
+  for (const Kind& kind : KINDS) {
+    if ((aovs & kind.aov) == 0) continue;
+    layers.of_kind[kind.kind] = static_cast<uint32_t>(layers.names.size());
+    layers.names.emplace_back(kind.name);
+  }
+  layers.group_of_light.assign(scene.lights.size(), 0);
+  if ((aovs & AOV_LIGHTS) == 0) return layers;
+  layers.group_of_light.clear();
+  add_groups(scene, layers);
+  return layers;
+}
+
+}  // namespace regulus::render
