@@ -60,6 +60,19 @@ void declare_look(CLI::App& command, RenderOptions& options) {
       ->type_name(fmt::format("{}", fmt::join(image::view_names(), "|")))
       ->check(one_of(image::view_names()))
       ->capture_default_str();
+  CLI::Option* config =
+      command
+          .add_option("--ocio", options.ocio,
+                      "Config of OpenColorIO by which PNG and JPEG show linear light, in place of "
+                      "--view: a file, or one that the library has built in (ocio://default)")
+          ->type_name("CONFIG");
+  command
+      .add_option("--ocio-display", options.ocio_display, "Display of the config (default: its own choice)")
+      ->type_name("NAME")
+      ->needs(config);
+  command.add_option("--ocio-view", options.ocio_view, "View of the display (default: its own choice)")
+      ->type_name("NAME")
+      ->needs(config);
   command.add_flag("--half", options.storage.has_half_floats,
                    "Store colours and normals of OpenEXR as half floats");
   command.add_flag("--dwaa", options.storage.is_dwaa, "Store OpenEXR with DWAA's lossy compression");

@@ -21,6 +21,7 @@
 #include "cli/render_outputs.hpp"
 #include "cli/render_result.hpp"
 #include "cli/render_watcher.hpp"
+#include "image/color_config.hpp"
 #include "image/formats.hpp"
 #include "scene/placement.hpp"
 #include "session/checkpoint.hpp"
@@ -244,6 +245,9 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   set_up_log(options, session.progress);
   lift_sample_limit(command, options);
   if (options.is_denoised) prepare_to_denoise(command, options);
+  if (!options.ocio.empty())
+    options.color_transform =
+        std::make_shared<image::ColorTransform>(options.ocio, options.ocio_display, options.ocio_view);
   options.has_strategy_images = !options.strategy_images.empty();
   std::vector<Frame> frames = parse_frames(options);
   std::vector<Picture> pictures = plan_pictures(options, frames, session.guard);

@@ -23,6 +23,9 @@ const std::set<std::string> COMMAND_LINE_ONLY = {"output",
                                                  "denoise",
                                                  "denoiser",
                                                  "oidn",
+                                                 "ocio",
+                                                 "ocio-display",
+                                                 "ocio-view",
                                                  "half",
                                                  "dwaa",
                                                  "define",
@@ -75,6 +78,7 @@ scene::LoadOptions load_options(const RenderOptions& options) {
 image::Encoding encoding(const RenderOptions& options) {
   image::Encoding encoding(options.exposure_ev);
   encoding.view = image::view_of(options.view);
+  encoding.transform = options.color_transform;
   encoding.storage = options.storage;
   return encoding;
 }

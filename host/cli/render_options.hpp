@@ -2,6 +2,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -34,6 +35,9 @@ struct RenderOptions : session::Request {
   float exposure_ev = 0;
   bool is_exposed_automatically = false;
   std::string view = "neutral";  ///< see image::View
+  std::string ocio, ocio_display,
+      ocio_view;  ///< config of OpenColorIO in place of `view`; empty: its defaults
+  std::shared_ptr<const image::ColorTransform> color_transform;  ///< what they come to
   image::ExrStorage storage;
   bool is_denoised = false;
   DenoiseOptions denoise;

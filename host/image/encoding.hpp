@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -40,10 +41,13 @@ struct ExrStorage {
 std::string encode_exr(const Image& image, const Attributes& attributes, const Channels& channels,
                        const Placement& placement, std::string_view name, const ExrStorage& storage);
 
+class ColorTransform;  // image/color_config.hpp
+
 /// How a picture is written.
 struct Encoding {
   float exposure_ev = 0;  ///< of PNG and JPEG
   View view = View::Neutral;
+  std::shared_ptr<const ColorTransform> transform{};  ///< in place of `view`; none: null
   ExrStorage storage{};
   /// Implicit: an exposure is all that most need to say.
   Encoding(float stops = 0) : exposure_ev(stops) {}

@@ -10,6 +10,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "image/color_config.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"
 
@@ -68,8 +69,9 @@ std::string encode_tone_mapped(const Format format, const Image& image, const En
   const float scale = std::exp2(encoding.exposure_ev);
   std::vector<uint8_t> bytes(image.rgb.size());
   for (size_t i = 0; i + 2 < image.rgb.size(); i += 3) {
-    const auto color =
-        display(encoding.view, {scale * image.rgb[i], scale * image.rgb[i + 1], scale * image.rgb[i + 2]});
+    const std::array<float, 3> linear = {scale * image.rgb[i], scale * image.rgb[i + 1],
+                                         scale * image.rgb[i + 2]};
+    const auto color = encoding.transform ? (*encoding.transform)(linear) : display(encoding.view, linear);
     for (size_t c = 0; c < 3; ++c) bytes[i + c] = to_byte(color[c]);
   }
   return encode_rgb8(format, image.width, image.height, bytes, name);

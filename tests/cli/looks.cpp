@@ -1,10 +1,12 @@
 // How pictures are shown and stored: --view, --exposure auto, --half, --dwaa.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "cli/process.hpp"
 #include "cli/small_scenes.hpp"
+#include "image/color_config.hpp"
 #include "image/encoding.hpp"
 #include "image/formats.hpp"
 #include "image/image.hpp"
@@ -49,11 +51,34 @@ TEST_F(Looks, ThePreviewIsThePictureSeenThatWay) {
   expect_error(render("a.exr", {"--exposure", "much"}), 2, {"--exposure"});
 }
 
+// The square is seen as about 0.5 / pi; a config shows its square root.
+TEST_F(Looks, ConfigsOfOpenColorIOShowThePreview) {
+  if (!image::has_color_configs()) GTEST_SKIP() << "built without OpenColorIO";
+  std::ofstream(file("config.ocio"))
+      << "ocio_profile_version: 2\nroles: {default: linear, scene_linear: linear}\n"
+         "displays:\n  Screen:\n    - !<View> {name: Root, colorspace: root}\n"
+         "colorspaces:\n  - !<ColorSpace> {name: linear}\n  - !<ColorSpace>\n"
+         "    name: root\n    from_scene_reference: !<ExponentTransform> {value: "
+         "[0.5, 0.5, 0.5, 1]}\n";
+  const Finished finished = render("a.exr", {"--png", file("a.png"), "--ocio", file("config.ocio")});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  image::Image root = image::read_exr(file("a.exr"));
+  for (float& value : root.rgb) value = std::sqrt(value);
+  image::Encoding raw;
+  raw.view = image::View::Raw;
+  EXPECT_EQ(bytes("a.png"), image::encode_picture(image::Format::Png, root, raw, {}, {}, {}, "a"));
+  expect_error(render("b.exr", {"--png", file("b.png"), "--ocio", file("config.ocio"), "--ocio-view", "Rot"}),
+               2, {"config.ocio: view", "did you mean Root?"});
+  expect_error(render("b.exr", {"--ocio-view", "Root"}), 2, {"--ocio-view", "--ocio"});
+  expect_error(render("b.exr", {"--ocio", file("none.ocio")}), 3, {"none.ocio"});
+}
+
 TEST_F(Looks, FewerBitsAreAskedForAndNeverOfParts) {
   ASSERT_EQ(render("a.exr", {"--aov", "Z,albedo"}).status, 0);
   ASSERT_EQ(render("half.exr", {"--aov", "Z,albedo", "--half"}).status, 0);
   EXPECT_EQ(image::read_exr(file("half.exr")).largest_finite, 65504);
   EXPECT_LT(bytes("half.exr").size(), bytes("a.exr").size());
+  expect_error(render("b.exr", {"--aov", "crypto_object", "--dwaa"}), 2, {"--dwaa"});
   ASSERT_EQ(render("dwaa.exr", {"--dwaa"}).status, 0);
   EXPECT_GT(image::read_exr(file("dwaa.exr")).largest_finite, 65504) << "no halves without --half";
   expect_error(

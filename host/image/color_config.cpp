@@ -1,0 +1,142 @@
+#include "image/color_config.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/near_names.hpp"
+
+#ifdef REGULUS_OPENCOLORIO
+#include <OpenColorIO/OpenColorIO.h>
+#endif
+
+namespace regulus::image {
+
+#ifdef REGULUS_OPENCOLORIO
+
+namespace {
+
+namespace ocio = OCIO_NAMESPACE;
+
+// What configs call linear light with the primaries of Rec. 709: those of the library's own (CG and studio
+// configs of ACES) first, then of ACES 1.x, of Blender and of others, then the role of scene-linear light.
+constexpr const char* LINEAR_REC709[] = {"lin_rec709_scene",
+                                         "Linear Rec.709 (sRGB)",
+                                         "lin_rec709",
+                                         "Utility - Linear - sRGB",
+                                         "Utility - Linear - Rec.709",
+                                         "Linear Rec.709",
+                                         "lin_srgb",
+                                         "Linear",
+                                         "linear",
+                                         "scene_linear"};
+
+[[noreturn]] void fail(ErrorCode code, const std::string& config, const std::string& problem) {
+  std::string line = problem;
+  std::ranges::replace(line, '\n', ' ');
+  throw Error(code, fmt::format("{}: {}", config, line));
+}
+
+ocio::ConstConfigRcPtr read_config(const std::string& name) {
+  if (name.starts_with("ocio://") && OCIO_VERSION_HEX < 0x02020000)
+    fail(ErrorCode::BadUsage, name,
+         fmt::format("OpenColorIO {} has no configs built in, which 2.2 brought; name a file", OCIO_VERSION));
+  ocio::SetLoggingLevel(ocio::LOGGING_LEVEL_NONE);
+  try {
+    ocio::ConstConfigRcPtr config = ocio::Config::CreateFromFile(name.c_str());
+    config->validate();
+    return config;
+  } catch (const ocio::Exception& error) {
+    fail(ErrorCode::BadFile, name, fmt::format("cannot be used as an OpenColorIO config ({})", error.what()));
+  }
+}
+
+/// The asked one of the names, or the config's own choice.
+std::string choose(const std::string& config, const char* what, const std::string& asked,
+                   const std::string& otherwise, const std::vector<std::string>& names) {
+  if (asked.empty()) {
+    if (otherwise.empty()) fail(ErrorCode::BadFile, config, fmt::format("has no {}", what));
+    return otherwise;
+  }
+  if (std::ranges::find(names, asked) == names.end())
+    fail(ErrorCode::BadUsage, config, fmt::format("{}: {}", what, unknown_name(asked, names)));
+  return asked;
+}
+
+std::string linear_space(const std::string& config_name, const ocio::Config& config) {
+  for (const char* name : LINEAR_REC709)
+    if (config.getColorSpace(name)) return name;
+  fail(ErrorCode::BadFile, config_name,
+       "has no color space for linear Rec. 709: neither lin_rec709 nor the role scene_linear; add one");
+}
+
+}  // namespace
+
+bool has_color_configs() {
+  return true;
+}
+
+struct ColorTransform::Impl {
+  ocio::ConstCPUProcessorRcPtr processor;
+};
+
+ColorTransform::ColorTransform(const std::string& config_name, const std::string& display,
+                               const std::string& view) {
+  const ocio::ConstConfigRcPtr config = read_config(config_name);
+  std::vector<std::string> names;
+  for (int i = 0; i < config->getNumDisplays(); ++i) names.emplace_back(config->getDisplay(i));
+  const std::string own_display = choose(config_name, "display", display, config->getDefaultDisplay(), names);
+  names.clear();
+  for (int i = 0; i < config->getNumViews(own_display.c_str()); ++i)
+    names.emplace_back(config->getView(own_display.c_str(), i));
+  const std::string own_view =
+      choose(config_name, "view", view, config->getDefaultView(own_display.c_str()), names);
+  name_ = own_display + " / " + own_view;
+  try {
+    const auto transform = ocio::DisplayViewTransform::Create();
+    transform->setSrc(linear_space(config_name, *config).c_str());
+    transform->setDisplay(own_display.c_str());
+    transform->setView(own_view.c_str());
+    impl_ = std::make_unique<Impl>(Impl{config->getProcessor(transform)->getDefaultCPUProcessor()});
+  } catch (const ocio::Exception& error) {
+    fail(ErrorCode::BadFile, config_name, fmt::format("{} cannot be made ({})", name_, error.what()));
+  }
+}
+
+std::array<float, 3> ColorTransform::operator()(const std::array<float, 3>& linear) const {
+  std::array<float, 3> color = linear;
+  constexpr float BRIGHTEST = 1e6F;  // keeps infinity out of what follows
+  for (float& value : color) value = value > 0 ? std::min(value, BRIGHTEST) : 0;  // NaN becomes 0
+  impl_->processor->applyRGB(color.data());
+  for (float& value : color) value = value > 0 ? std::min(value, 1.0F) : 0;
+  return color;
+}
+
+#else
+
+bool has_color_configs() {
+  return false;
+}
+
+struct ColorTransform::Impl {};
+
+ColorTransform::ColorTransform(const std::string& config_name, const std::string&, const std::string&) {
+  throw Error(
+      ErrorCode::Failed,
+      fmt::format("{}: this regulus was built without OpenColorIO; install libopencolorio-dev and build "
+                  "it again, or choose a --view",
+                  config_name));
+}
+
+std::array<float, 3> ColorTransform::operator()(const std::array<float, 3>& linear) const {
+  return linear;
+}
+
+#endif
+
+ColorTransform::~ColorTransform() = default;
+
+}  // namespace regulus::image
