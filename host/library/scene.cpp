@@ -109,6 +109,10 @@ std::filesystem::path Scene::path() const {
   return impl_->scene->path;
 }
 
+std::vector<std::string> Scene::edits() const {
+  return impl_->scene->edits;
+}
+
 std::vector<std::string> Scene::warnings() const {
   return impl_->scene->warnings;
 }
@@ -167,7 +171,8 @@ Scene load(const std::filesystem::path& path, const LoadOptions& options) {
              .variant = options.variant,
              .memory_bytes = options.memory_bytes,
              .animation = options.animation,
-             .time = options.time}));
+             .time = options.time,
+             .edits = options.edits}));
   return Scene(std::make_shared<const Scene::Impl>(Scene::Impl{loaded, loaded->cameras, false}));
 }
 

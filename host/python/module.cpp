@@ -68,6 +68,7 @@ void bind_scene(py::module_& module) {
   py::class_<PreparedHandle>(module, "PreparedScene");
   py::class_<Scene>(module, "Scene")
       .def_property_readonly("path", &Scene::path)
+      .def_property_readonly("edits", &Scene::edits)
       .def_property_readonly("warnings", &Scene::warnings)
       .def_property_readonly("settings", &Scene::settings)
       .def_property_readonly("cameras", &Scene::cameras)
@@ -89,6 +90,7 @@ void bind_scene(py::module_& module) {
       .def_readwrite("environment", &LoadOptions::environment)
       .def_readwrite("environment_rotation", &LoadOptions::environment_rotation)
       .def_readwrite("environment_scale", &LoadOptions::environment_scale)
+      .def_readwrite("edits", &LoadOptions::edits)
       .def_readwrite("allow_external", &LoadOptions::allow_external)
       .def_readwrite("is_strict", &LoadOptions::is_strict)
       .def_readwrite("memory_bytes", &LoadOptions::memory_bytes);

@@ -227,6 +227,26 @@ TEST_F(Library, SettingsThatNeedTheSceneAreRefusedByThePlan) {
   }
 }
 
+TEST_F(Library, EditsChangeTheSceneAndItsHash) {
+  LoadOptions options;
+  options.edits = {"lights.0.intensity=2", "materials.0.color=0.25,0.25,0.25,1"};
+  const Scene edited = load(file("scene.gltf"), options);
+  EXPECT_EQ(edited.edits().size(), 2u);
+  EXPECT_TRUE(load_scene().edits().empty());
+  const Prepared scene = prepare(edited);
+  // Twice the light on half of the albedo.
+  const double found = middle_of(render_all(scene, small(), reference_device()));
+  EXPECT_LE(found, MIDDLE * (1 + 1e-5));
+  EXPECT_GE(found, radiance_at(2 * HALF_PIXEL * HALF_PIXEL) * (1 - 1e-5));
+  options.edits = {"materials.0.color=0.25,0.25,0.25,1"};
+  const double dimmed =
+      middle_of(render_all(prepare(load(file("scene.gltf"), options)), small(), reference_device()));
+  EXPECT_NEAR(dimmed, found / 2, 1e-6 * found);
+  options.edits = {"lights.0.intensty=2"};
+  const std::string error = error_of(ErrorCode::BadUsage, [&] { load(file("scene.gltf"), options); });
+  EXPECT_NE(error.find("did you mean intensity?"), std::string::npos) << error;
+}
+
 TEST_F(Library, ErrorsSayTheirKind) {
   EXPECT_NE(error_of(ErrorCode::BadFile, [&] { load(file("none.gltf")); }).find("none.gltf"),
             std::string::npos);

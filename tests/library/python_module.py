@@ -70,6 +70,15 @@ class Module(unittest.TestCase):
         self.assertLess(moved, MIDDLE / (1 + 0.4**2) ** 1.5)
         self.assertGreater(moved, MIDDLE / (1 + 0.6**2 + 0.1**2) ** 1.5)
 
+    def test_edits_change_the_scene(self):
+        scene = regulus.load(SCENE, edits=["lights.0.intensity=3"])
+        self.assertEqual(len(scene.edits), 1)
+        bright = regulus.render(scene, device=self.device, **SMALL).rgb[4, 4, 0]
+        np.testing.assert_allclose(bright, 3 * regulus.render(self.scene, device=self.device, **SMALL).rgb[4, 4, 0],
+                                   rtol=1e-5)
+        with self.assertRaisesRegex(regulus.Error, "did you mean intensity?"):
+            regulus.load(SCENE, edits=["lights.0.intensty=3"])
+
     def test_aovs_are_arrays(self):
         picture = regulus.render(self.scene, device=self.device, aov=["albedo", "Z", "material"], **SMALL)
         self.assertEqual(picture["albedo"].shape, (9, 9, 3))

@@ -23,9 +23,12 @@ struct LoadOptions {
   std::filesystem::path environment{};           ///< OpenEXR or Radiance map; empty: the scene's
   std::optional<double> environment_rotation{};  ///< degrees about +y, counterclockwise seen from above
   std::optional<double> environment_scale{};     ///< factor on its radiance, 0 or more
-  bool allow_external = false;                   ///< the scene may refer to files outside its folder
-  bool is_strict = false;                        ///< faults that could be mended with a warning are errors
-  uint64_t memory_bytes = 0;  ///< what the scene may take of the host's memory; 0: three quarters of it
+  /// Of the file's document, in this order, as of the command line's -D: "materials.Glass.roughness=0.1". A
+  /// name or value that makes no sense is an Error (BadUsage).
+  std::vector<std::string> edits{};
+  bool allow_external = false;  ///< the scene may refer to files outside its folder
+  bool is_strict = false;       ///< faults that could be mended with a warning are errors
+  uint64_t memory_bytes = 0;    ///< what the scene may take of the host's memory; 0: three quarters of it
 };
 
 /// A camera. World space is that of the file: right-handed, metres, y up.
@@ -51,6 +54,8 @@ class Scene {
  public:
   /// The file it was read from.
   std::filesystem::path path() const;
+  /// What LoadOptions::edits came to, one property each; sorted.
+  std::vector<std::string> edits() const;
   /// What was mended or left out, one line each.
   std::vector<std::string> warnings() const;
   /// scenes[].extras.regulus: settings by name, which make_plan() takes where none are given.

@@ -28,7 +28,8 @@ def load(path, **options):
     """Reads a .gltf or .glb file.
 
     Options: scene (index), variant, animation, time (seconds), environment (file), environment_rotation (degrees),
-    environment_scale, allow_external, is_strict, memory_bytes.
+    environment_scale, edits (a list like ["materials.Glass.roughness=0.1"], as of the command line's -D), allow_external,
+    is_strict, memory_bytes.
     """
     given = _core.LoadOptions()
     for name, value in options.items():
