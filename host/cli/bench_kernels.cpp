@@ -61,8 +61,8 @@ double rate_of(const Work& work) {
 /// Both query kernels on a device: by traversal, or by the device's own queries.
 class QueryKernels {
  public:
-  QueryKernels(gpu::Device& device, bool is_hardware)
-      : is_hardware(is_hardware),
+  QueryKernels(gpu::Device& device, bool by_hardware)
+      : is_hardware(by_hardware),
         device_(device),
         closest_(create("bench_closest")),
         any_(create("bench_any")) {}
