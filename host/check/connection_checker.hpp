@@ -121,7 +121,7 @@ class ConnectionChecker {
 
   bool is_same_light_walk(uint32_t vertex) const {
     if (vertex >= owner_.size() || owner_[vertex] == INVALID_INDEX) return false;
-    const PathVertex& found = recording_.light_vertices[vertex];
+    const LightVertex& found = recording_.light_vertices[vertex];
     const auto& vertices = iterations_.front().light.subpaths()[owner_[vertex]].vertices;
     const uint32_t edges = found.edges & PATH_VERTEX_EDGES;
     return edges <= vertices.size() && vertices[edges - 1].surface.triangle == found.triangle;

@@ -23,7 +23,8 @@ std::vector<Tally> ConnectionChecker::run() {
         merged.push_back({TECHNIQUE_MERGE, slot, i + 1, 0, 0, sum});
     }
     for (const VisibilityCandidate& candidate : bounce.light_samples)
-      if (is_same_walk(bounce, candidate.path, i)) nee.push_back(light_sample_item(candidate, i, choices));
+      if (is_same_walk(bounce, candidate.receiver, i))
+        nee.push_back(light_sample_item(candidate, i, choices));
     gather_connections(bounce, i, connected);
   }
   Tally weights(WEIGHTS, WEIGHT_BOUND, ALLOWED);
@@ -93,7 +94,7 @@ uint32_t ConnectionChecker::numbered(uint32_t number) const {
   const auto path = static_cast<size_t>(after - recording_.path_ends.begin()) - 1;
   uint32_t vertex = recording_.heads[path].last;
   for (uint32_t k = recording_.path_ends[path]; k < number && vertex < recording_.light_vertices.size(); ++k)
-    vertex = recording_.light_vertices[vertex].link;
+    vertex = recording_.light_vertices[vertex].previous;
   return vertex < recording_.light_vertices.size() ? vertex : INVALID_INDEX;
 }
 
@@ -136,10 +137,10 @@ void ConnectionChecker::gather_connections(const RecordedConnections& bounce, ui
                                            std::vector<Item>& items) const {
   std::vector<std::vector<const VisibilityCandidate*>> candidates(bounce.camera_vertices.size());
   for (const VisibilityCandidate& candidate : bounce.connections)
-    candidates[candidate.path].push_back(&candidate);
+    candidates[candidate.receiver].push_back(&candidate);
   for (const ConnectionPair& pair : bounce.pairs) {
     if (!is_same_walk(bounce, pair.slot, index) || !is_same_light_walk(pair.vertex)) continue;
-    const PathVertex& light = recording_.light_vertices[pair.vertex];
+    const LightVertex& light = recording_.light_vertices[pair.vertex];
     Item item{TECHNIQUE_CONNECT, pair.slot, index + 1, owner_[pair.vertex], light.edges & PATH_VERTEX_EDGES};
     double nearest = 1e-3 * subject_.world.radius();
     for (const VisibilityCandidate* candidate : candidates[pair.slot]) {
@@ -155,7 +156,7 @@ void ConnectionChecker::gather_connections(const RecordedConnections& bounce, ui
 
 Item ConnectionChecker::light_sample_item(const VisibilityCandidate& candidate, uint32_t bounce,
                                           Tally& choices) const {
-  const uint32_t pixel = candidate.path;
+  const uint32_t pixel = candidate.receiver;
   const reference::WalkVertex& vertex = iterations_.front().camera[pixel].vertices[bounce];
   const SampledLight sampled =
       sampled_light(subject_.world, receiver_at(subject_.world, vertex.surface, vertex.w_back),

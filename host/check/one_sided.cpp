@@ -104,7 +104,7 @@ void ConnectionChecker::find_missing_light_samples(Tally& on_one_side) const {
     std::vector<bool> has_sample(bounce.camera_vertices.size(), false);
     double mean = 0;
     for (const VisibilityCandidate& candidate : bounce.light_samples) {
-      has_sample[candidate.path] = true;
+      has_sample[candidate.receiver] = true;
       mean += largest(dvec3(candidate.contribution)) / static_cast<double>(bounce.light_samples.size());
     }
     for (const uint32_t slot : bounce.slots) {

@@ -76,7 +76,7 @@ void compare_vertices(const Subject& subject, const Path& path, const std::vecto
   bool is_tie = false;
   for (uint32_t pattern = 1; pattern <= ROUNDING_PATTERNS; ++pattern) {
     const std::vector<uint32_t> moved = triangles_of(
-        reference_walk(subject, subject.reference_settings, path.pixel, path.sample_index, pattern));
+        reference_walk(subject, subject.reference_settings, path.number, path.sample_index, pattern));
     moved_paths += moved == expected ? 0 : 1;
     is_tie = is_tie || common_length(moved, expected) <= common_length(found, expected);
   }
@@ -87,7 +87,7 @@ void compare_vertices(const Subject& subject, const Path& path, const std::vecto
   } else {
     tally.add_difference(Difference::Real, of_class);
     tally.describe(
-        fmt::format("pixel {}: diverges after {} vertices", path.pixel, common_length(found, expected)));
+        fmt::format("pixel {}: diverges after {} vertices", path.number, common_length(found, expected)));
   }
 }
 
@@ -146,7 +146,7 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
   for (uint32_t slot = 0; slot < recording.generated.size(); ++slot) {
     const Path& path = recording.generated[slot];
     const reference::CameraSubpath walk =
-        reference_walk(subject, subject.reference_settings, path.pixel, path.sample_index, 0);
+        reference_walk(subject, subject.reference_settings, path.number, path.sample_index, 0);
     const std::vector<uint32_t> same = triangles_of(walk);
     const std::string of_class = first_class(walk);
     compare_vertices(subject, path, triangles[slot], same, of_class, moved_paths, vertices);
@@ -160,14 +160,14 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
     std::vector<dvec3> values(slots.size(), dvec3(0));
     for (size_t i = 0; i < slots.size(); ++i) {
       const Path& path = recording.generated[slots[i]];
-      estimator.camera_sample(path.pixel, path.sample_index, nullptr,
+      estimator.camera_sample(path.number, path.sample_index, nullptr,
                               [&](const reference::Contribution& one) { values[i] += one.value(); });
     }
     return values;
   };
   const auto describe = [&](size_t i) {
     const Path& path = recording.generated[slots[i]];
-    return fmt::format("pixel {} sample {}", path.pixel, path.sample_index);
+    return fmt::format("pixel {} sample {}", path.number, path.sample_index);
   };
   compare_colors(found, subject.reference_settings, evaluate, describe, classes, radiance);
   vertices.expect_ties(moved_paths / ROUNDING_PATTERNS);

@@ -95,13 +95,13 @@ Tally check_grid_scatter(const Subject& subject, const ConnectionRecording& reco
 }  // namespace
 
 std::vector<uint32_t> light_paths_of(const ConnectionRecording& recording) {
-  const std::vector<PathVertex>& vertices = recording.light_vertices;
+  const std::vector<LightVertex>& vertices = recording.light_vertices;
   std::vector<uint32_t> owner(vertices.size(), INVALID_INDEX);
   for (uint32_t path = 0; path < recording.heads.size(); ++path) {
     uint32_t v = recording.heads[path].last;
     while (v < vertices.size() && owner[v] == INVALID_INDEX) {
       owner[v] = path;
-      v = vertices[v].link;
+      v = vertices[v].previous;
     }
   }
   return owner;

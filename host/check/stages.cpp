@@ -127,15 +127,16 @@ class StageChecker {
   void visibility(const RecordedBounce& bounce, Tally& tally) const {
     for (size_t i = 0; i < bounce.candidates.size(); ++i) {
       const VisibilityCandidate& candidate = bounce.candidates[i];
-      const dvec3 added =
-          dvec3(bounce.radiance[candidate.path]) - dvec3(bounce.radiance_before_visibility[candidate.path]);
+      const dvec3 added = dvec3(bounce.radiance[candidate.receiver]) -
+                          dvec3(bounce.radiance_before_visibility[candidate.receiver]);
       const double wanted = largest(dvec3(candidate.contribution));
-      if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.path])))
+      if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.receiver])))
         continue;  // lost in the sum either way
       compare_segment(candidate, place_of(bounce.candidate_media, i), largest(added) > 0.5 * wanted, tally);
     }
     for (const render::Probe& probe : bounce.probes)
-      compare_segment(probe.segment, place_of(bounce.media_before, probe.segment.path), probe.is_open, tally);
+      compare_segment(probe.segment, place_of(bounce.media_before, probe.segment.receiver), probe.is_open,
+                      tally);
   }
 
  private:
@@ -175,9 +176,9 @@ class StageChecker {
     }
     tally.add_difference(can_agree ? Difference::Edge : Difference::Real);
     if (!can_agree)
-      tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}", candidate.path,
-                                 is_open ? "open" : "occluded", text_of(ray.origin), text_of(ray.direction),
-                                 ray.t_max));
+      tally.describe(fmt::format("slot {}: {} on the device; origin {} direction {} t_max {}",
+                                 candidate.receiver, is_open ? "open" : "occluded", text_of(ray.origin),
+                                 text_of(ray.direction), ray.t_max));
   }
 
   /// True if the segment ends at something within what the distance of a hit may err by.
@@ -229,23 +230,25 @@ class StageChecker {
 
   void compare_camera_ray(const Path& path, Tally& tally) const {
     const dvec4 u =
-        random_block(subject_.reference_settings, path.pixel, path.sample_index, DIMENSION_BLOCK_CAMERA);
+        random_block(subject_.reference_settings, path.number, path.sample_index, DIMENSION_BLOCK_CAMERA);
     const dvec2 centre =
-        dvec2(path.pixel % subject_.camera.width(), path.pixel / subject_.camera.width()) + 0.5;
+        dvec2(path.number % subject_.camera.width(), path.number / subject_.camera.width()) + 0.5;
     const reference::CameraRay ray =
         subject_.camera.ray(centre + subject_.reference_settings.filter.sample({u.x, u.y}), {u.z, u.w});
     const double error =
         std::max(largest(ray.direction - dvec3(path.direction)),
                  largest(ray.origin - dvec3(path.origin)) / std::max(largest(ray.origin), 1e-30));
     if (!tally.add_error(error))
-      tally.describe(fmt::format("pixel {}: direction {} against {}", path.pixel, text_of(path.direction),
+      tally.describe(fmt::format("pixel {}: direction {} against {}", path.number, text_of(path.direction),
                                  text_of(ray.direction)));
   }
 
   void compare_emission(const Path& path, Tally& tally) const {
     const reference::Settings& settings = subject_.reference_settings;
-    const dvec4 u = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
-    const dvec4 v = random_block(settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION_DIRECTION);
+    const dvec4 u =
+        random_block(settings, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
+    const dvec4 v = random_block(settings, path.number & PATH_NUMBER, path.sample_index,
+                                 DIMENSION_BLOCK_EMISSION_DIRECTION);
     const reference::World& world = subject_.world;
     const reference::LightPoint point = light_point(path);
     const reference::EmissionRay ray = sample_emission(world, point, {u.z, u.w}, {v.x, v.y});
@@ -263,7 +266,7 @@ class StageChecker {
                   largest(throughput - dvec3(path.throughput)) / largest(throughput)});
     if (!tally.add_error(error, excused))
       tally.describe(fmt::format("light path {}: direction {} against {}, throughput {} against {}",
-                                 path.pixel, text_of(path.direction), text_of(ray.direction),
+                                 path.number, text_of(path.direction), text_of(ray.direction),
                                  text_of(path.throughput), text_of(throughput)));
   }
 
@@ -298,7 +301,7 @@ class StageChecker {
     // Texture coordinates are rounded twice more, interpolated and scaled to texels.
     if (is_moved) barycentrics += 4 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));
     dvec4 u = random_block(
-        subject_.reference_settings, path.pixel & PATH_PIXEL, path.sample_index,
+        subject_.reference_settings, path.number & PATH_NUMBER, path.sample_index,
         is_camera_ ? DIMENSION_BLOCKS_FIRST + index * DIMENSION_BLOCKS_PER_BOUNCE + DIMENSION_BLOCK_BSDF
                    : DIMENSION_BLOCK_LIGHT_BSDF + index);
     if (is_moved)
@@ -330,8 +333,8 @@ class StageChecker {
 
   /// Where a light path starts.
   reference::LightPoint light_point(const Path& path) const {
-    const dvec4 u =
-        random_block(subject_.reference_settings, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+    const dvec4 u = random_block(subject_.reference_settings, path.number & PATH_NUMBER, path.sample_index,
+                                 DIMENSION_BLOCK_EMISSION);
     return sample_light_point(subject_.world, reference::select_light(subject_.world.scene(), {u.x, u.y}),
                               {u.z, u.w});
   }

@@ -238,7 +238,7 @@ VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edg
   // PCG4D of (x, y, z, w): its arguments are w, x, y, z.
   const RandomBits key = hash_bits(base[3], base[0] + static_cast<uint32_t>(camera_edges),
                                    base[1] + static_cast<uint32_t>(light_edges),
-                                   base[2] + (light_path & PATH_VERTEX_STREAM_MASK));
+                                   base[2] + (light_path & LIGHT_VERTEX_STREAM_MASK));
   VirtualTries tries;
   tries.is_from_light = end == VIRTUAL_MERGE_AT_LIGHT;
   for (uint32_t i = 0; i < 2 * VIRTUAL_MERGE_TRIES; ++i) {

@@ -38,7 +38,7 @@ void Iteration::walk_light_paths(uint64_t sample, uint64_t repeated) {
   const auto walk = [&](uint64_t begin, uint64_t end, bool is_repeated) {
     scheduler_.run(begin, end, 0, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
       StageArguments arguments = wavefront_.arguments_of(first, sample, paths);
-      arguments.round = is_repeated ? 1 : 0;
+      arguments.is_repeated = is_repeated ? 1 : 0;
       if (!wavefront_.core.run(Pass::Light, arguments)) return std::nullopt;
       return WavePaths{0, is_repeated ? 0 : paths};
     });

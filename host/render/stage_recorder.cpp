@@ -179,7 +179,7 @@ class WaveObserver : public StageObserver {
     memory_.run_again(Stage::TraceVisibility, arguments);
     const auto radiance = memory_.by_slot<glm::vec3>(buffers.radiance);
     for (const VisibilityCandidate& segment : segments)
-      bounce.probes.push_back({segment, radiance[segment.path].r > 0});
+      bounce.probes.push_back({segment, radiance[segment.receiver].r > 0});
   }
 
   const Memory& memory_;
@@ -196,7 +196,7 @@ class LightPassObserver : public StageObserver {
     if (stage == Stage::TraceClosest) memory_.fill(memory_.buffers().hits, INVALID_INDEX);
     if (stage != Stage::LightGenerate) return;
     recording_.light_hits.clear();
-    if (arguments.round != 0) return;  // the walk is repeated: its splats are those that were recorded
+    if (arguments.is_repeated != 0) return;  // the walk is repeated: its splats are those that were recorded
     recording_.splats.clear();
     recording_.splat_media.clear();
   }
@@ -205,7 +205,7 @@ class LightPassObserver : public StageObserver {
     const WavefrontBuffers& buffers = memory_.buffers();
     const size_t paths = buffers.frame().light_path_count, cells = buffers.grid_cell_count() + size_t{1};
     if (stage == Stage::TraceClosest) recording_.light_hits.push_back(memory_.by_slot<Hit>(buffers.hits));
-    if (stage == Stage::LightBounce && arguments.round == 0) record_splats(arguments.bounce);
+    if (stage == Stage::LightBounce && arguments.is_repeated == 0) record_splats(arguments.bounce);
     if (stage == Stage::LightPathCounts)
       recording_.path_counts = memory_.download<uint32_t>(buffers.light_path_ends, paths);
     if (stage == Stage::GridCount) {
@@ -266,7 +266,7 @@ class ConnectionObserver : public StageObserver {
       memory_.fill(buffers.radiance, 0);
     } else if (stage == Stage::CameraBounce) {
       bounce.met = memory_.by_slot<glm::vec3>(buffers.radiance);
-      bounce.camera_vertices = memory_.by_slot<PathVertex>(buffers.camera_vertices);
+      bounce.camera_vertices = memory_.by_slot<CameraVertex>(buffers.camera_vertices);
       bounce.pairs = memory_.pairs(arguments.bounce);
       bounce.light_samples = memory_.download<VisibilityCandidate>(
           buffers.candidates, memory_.queue_count(arguments.bounce, Queue::Visibility));
@@ -364,7 +364,7 @@ ConnectionRecording StageRecorder::record_light_vertices(uint32_t sample, Connec
   impl.watch(observer, [&] { vertices = impl.iteration.run_light_pass(sample, 0); });
   recording.merge_radius = impl.wavefront.arguments_of(0, sample, impl.paths).merge_radius;
   recording.heads = impl.memory.download<LightPathHead>(buffers.light_heads, impl.plan.light_paths);
-  recording.light_vertices = impl.memory.download<PathVertex>(buffers.light_vertices, vertices);
+  recording.light_vertices = impl.memory.download<LightVertex>(buffers.light_vertices, vertices);
   recording.splat_film = impl.memory.film(buffers.splat_film);
   return recording;
 }

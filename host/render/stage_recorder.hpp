@@ -51,7 +51,7 @@ struct RecordedConnections {
   std::vector<uint32_t> slots;       ///< traced in this bounce
   std::vector<interface::Hit> hits;  ///< by slot; triangle INVALID_INDEX: missed
   std::vector<glm::vec3> met;        ///< by slot: emitted light that the ray met, technique `hit`
-  std::vector<interface::PathVertex> camera_vertices;         ///< by slot; edges 0: none
+  std::vector<interface::CameraVertex> camera_vertices;       ///< by slot; edges 0: none
   std::vector<interface::ConnectionPair> pairs;               ///< of all material classes
   std::vector<interface::VisibilityCandidate> light_samples;  ///< candidates of technique `nee`
   std::vector<interface::VisibilityCandidate> connections;    ///< and of `connect`
@@ -69,7 +69,7 @@ struct ConnectionRecording {
   uint32_t expected_vertices = 0;  ///< light vertices of iteration 0, with which weights reckon
   std::vector<std::vector<interface::Hit>> light_hits;  ///< by bounce and light path, as above
   std::vector<interface::LightPathHead> heads;          ///< by light path
-  std::vector<interface::PathVertex> light_vertices;    ///< in the order in which they were stored
+  std::vector<interface::LightVertex> light_vertices;   ///< in the order in which they were stored
   std::vector<interface::SplatCandidate> splats;        ///< of all bounces
   std::vector<interface::PathMedia> splat_media;        ///< likewise; empty without FEATURE_CONTACTS
   std::vector<glm::dvec3> splat_film;                   ///< by pixel: what trace_splats made of them

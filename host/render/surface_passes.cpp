@@ -17,7 +17,7 @@ std::vector<AovPixel> trace_surface_aovs(Wavefront& wavefront) {
   const uint64_t count = wavefront.buffers.aovs.size() / sizeof(AovPixel);
   for (uint64_t first = 0; first < count; first += SURFACE_WAVE_PIXELS) {
     StageArguments arguments = wavefront.arguments_of(first, 0, 0);
-    for (arguments.round = 0; arguments.round <= AOV_RAYS; ++arguments.round)
+    for (arguments.surface_ray = 0; arguments.surface_ray <= AOV_RAYS; ++arguments.surface_ray)
       wavefront.run_over(Pass::Surface, Stage::SurfaceAovs, arguments,
                          std::min(SURFACE_WAVE_PIXELS, count - first));
   }

@@ -65,7 +65,7 @@ bool WaveCore::run(Pass pass, const StageArguments& arguments, uint64_t reach) {
   work_.room_for(2 * uint64_t{arguments.wave_paths});
   record_ends(pass, Extent::WaveEnd, arguments);
   own = arguments;
-  own.round = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
+  own.counted_pass = pass == Pass::Light ? COUNTED_LIGHT_PASS : COUNTED_CAMERA_PASS;
   record_ends(pass, Extent::Once, own);
   return true;
 }
@@ -185,8 +185,8 @@ void WaveCore::run_merges(StageArguments arguments, const QueueHeads& heads, uin
     arguments.merge_first = static_cast<uint32_t>(first);
     arguments.merge_units = static_cast<uint32_t>(here);
     const uint64_t longest = std::min(reach, here * MERGE_UNIT);
-    const auto rounds = static_cast<uint32_t>((longest + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH);
-    for (arguments.round = 0; arguments.round < rounds; ++arguments.round)
+    const auto turns = static_cast<uint32_t>((longest + MERGE_ROUND_LENGTH - 1) / MERGE_ROUND_LENGTH);
+    for (arguments.merge_turn = 0; arguments.merge_turn < turns; ++arguments.merge_turn)
       for_each_step(
           Pass::Camera, arguments, [](const StageStep& step) { return step.stage == Stage::Merge; },
           [&](const PipelineStep& entry, bool) {

@@ -39,7 +39,7 @@ REGULUS_CONSTANT COUNTER_MEDIA_OVERFLOW = 2u;     // solids that paths have forg
 REGULUS_CONSTANT COUNTER_QUEUE_ITEMS = 3u;        // + pass * QUEUES_PER_BOUNCE + QUEUE_*
 REGULUS_CONSTANT COUNTER_COUNT = COUNTER_QUEUE_ITEMS + 2u * QUEUES_PER_BOUNCE;
 
-// StageArguments.round of count_work: which pass it counts.
+// StageArguments.counted_pass.
 REGULUS_CONSTANT COUNTED_CAMERA_PASS = 0u;
 REGULUS_CONSTANT COUNTED_LIGHT_PASS = 1u;
 

@@ -81,13 +81,15 @@ struct StageArguments {
   uint first_pixel;    // film index (within the crop), or light path, of the wave's first path
   uint first_sample;   // and its sample index
   float merge_radius;  // m, of this iteration
-  uint round;          // merge: which of its turns of MERGE_ROUND_LENGTH a vertex takes; light walks: 1 if they are
-                       // repeated and their splats are on the film already; count_work: the pass; surface_aovs: the ray
+  uint is_repeated;    // light walks: 1 if their splats are on the film already
+  uint counted_pass;   // count_work: COUNTED_*
+  uint surface_ray;    // surface_aovs: number of the ray of each pixel
+  uint merge_turn;     // merge: which of its turns of MERGE_ROUND_LENGTH a vertex takes
   uint first_item;     // connect, trace_visibility: place in the queue of the first item of this dispatch
   uint merge_first;    // merge: the units [merge_first, merge_first + merge_units) of the bounce, or with no units every
   uint merge_units;    // vertex's first turn
 };
-REGULUS_LAYOUT(StageArguments, 44);
+REGULUS_LAYOUT(StageArguments, 56);
 
 // Words summed by one invocation of a scan.
 REGULUS_CONSTANT SCAN_FAN = 64u;

@@ -12,43 +12,57 @@ struct Path {
   vec3 origin;
   float mis_a;       // accumulators of MIS (lib/mis.glsl), still without the distance of the ray
   vec3 direction;    // unit
-  uint pixel;        // camera path: y * width + x on the whole film, and PATH_DIFFUSED; light path: its index in the iteration
+  uint number;       // PATH_NUMBER: of the pixel on the whole film (y * width + x), or of the light path in its iteration;
+                     // above it PATH_DIFFUSED or PATH_PARALLEL
   vec3 throughput;
   uint sample_index; // of the pixel; light path: the iteration, which is the same number
   float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
-                     // light path: 1 if it starts at an infinitely distant light, otherwise 0
   uint bounce;       // path edges before this ray
   uint medium;       // material whose absorption the ray passes through, or INVALID_INDEX
   float mis_b;
 };
 REGULUS_LAYOUT(Path, 64);
 
-// Set once a camera path has scattered at a surface that is not sharp (lib/regularization.glsl).
+// Of a camera path: set once it has scattered at a surface that is not sharp (lib/regularization.glsl).
 REGULUS_CONSTANT PATH_DIFFUSED = 1u << 31;
-REGULUS_CONSTANT PATH_PIXEL = PATH_DIFFUSED - 1u;
+// Of a light path: its first ray is one of parallel ones, from an infinitely distant light.
+REGULUS_CONSTANT PATH_PARALLEL = 1u << 31;
+REGULUS_CONSTANT PATH_NUMBER = (1u << 31) - 1u;
 
 // A vertex of a subpath as connections and merges need it: where it is, where the walk came from, what it
 // carries on arrival (the bsdf here not included), and the accumulators of MIS (lib/mis.glsl).
-struct PathVertex {
+struct CameraVertex {
   vec3 position;
-  uint link;          // light vertex: the one before it on its path, or INVALID_INDEX; camera vertex: medium of
-                      // the edge that arrives
+  uint medium;        // of the edge that arrives: a material, or INVALID_INDEX
   vec3 direction;     // unit, towards the previous vertex of the walk
   uint triangle;
   vec3 throughput;
   float mis_a;
   vec2 barycentrics;
   float mis_b;
-  uint edges;         // PATH_VERTEX_EDGES: path edges from the walk's start to here; above them MATERIAL_CLASS_*, and
-                      // of a light vertex the last bits of its light path's index
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the camera to here, or 0 if there is no vertex; PATH_VERTEX_DIFFUSED
 };
-REGULUS_LAYOUT(PathVertex, 64);
+REGULUS_LAYOUT(CameraVertex, 64);
+
+struct LightVertex {
+  vec3 position;
+  uint previous;      // number of the vertex before it on its path, or INVALID_INDEX
+  vec3 direction;
+  uint triangle;
+  vec3 throughput;
+  float mis_a;
+  vec2 barycentrics;
+  float mis_b;
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the light to here; above them the MATERIAL_CLASS_* of the
+                      // surface, and the last bits of the light path's number
+};
+REGULUS_LAYOUT(LightVertex, 64);
 REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
-REGULUS_CONSTANT PATH_VERTEX_CLASS_SHIFT = 16u;
-REGULUS_CONSTANT PATH_VERTEX_CLASS_MASK = 3u;
-REGULUS_CONSTANT PATH_VERTEX_STREAM_SHIFT = 18u;
-REGULUS_CONSTANT PATH_VERTEX_STREAM_MASK = 0xFFFu;
 REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
+REGULUS_CONSTANT LIGHT_VERTEX_CLASS_SHIFT = 16u;
+REGULUS_CONSTANT LIGHT_VERTEX_CLASS_MASK = 3u;
+REGULUS_CONSTANT LIGHT_VERTEX_STREAM_SHIFT = 18u;
+REGULUS_CONSTANT LIGHT_VERTEX_STREAM_MASK = 0xFFFu;
 
 // Where the ray of a path or a segment starts, only with FEATURE_CONTACTS: the solids around it, and the surface point that it
 // leaves.
@@ -75,7 +89,7 @@ REGULUS_CONSTANT LIGHT_CAUSTICS = 2u;  // L S+ D E
 REGULUS_CONSTANT LIGHT_INDIRECT = 3u;  // the rest
 REGULUS_CONSTANT LIGHT_KINDS = 4u;
 
-// The vertices of one light path: the last one stored, from which the others follow by `link`.
+// The vertices of one light path: the last one stored, from which the others follow by `previous`.
 struct LightPathHead {
   uint last;
   uint count;
@@ -89,7 +103,7 @@ struct GridEntry {
 };
 REGULUS_LAYOUT(GridEntry, 16);
 
-// What sampler quality and `both` need to know of a subpath besides Path or PathVertex (lib/history.glsl). Between
+// What sampler quality and `both` need to know of a subpath besides Path or its vertices (lib/history.glsl). Between
 // stages, `plain` and `pending` do not include the length of the ray yet.
 struct PathHistory {
   vec2 plain;         // accumulators (A, B) of the unregularized weights

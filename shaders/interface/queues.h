@@ -30,14 +30,14 @@ struct VisibilityCandidate {
   vec3 origin;
   float t_max;
   vec3 direction;  // unit
-  uint path;       // slot whose radiance receives it; with connections the index in the film
+  uint receiver;   // number of the sum that receives it: the radiance of a slot, or with connections a pixel of the film
   vec3 contribution;
 };
 REGULUS_LAYOUT(VisibilityCandidate, 44);
 
 // A light vertex that the lens may see.
 struct SplatCandidate {
-  VisibilityCandidate segment;  // `path` is not used
+  VisibilityCandidate segment;  // `receiver` is not used
   vec2 film;                    // pixels, see Camera
 };
 REGULUS_LAYOUT(SplatCandidate, 52);

@@ -40,13 +40,13 @@ STATE(splat_trails,            uint,                1,                    PER_SP
 STATE(pairs,                   ConnectionPair,      MATERIAL_CLASS_COUNT, PER_PAIR,           STATE_ALWAYS)
 
 // ---- vertices that connections and merges join
-STATE(camera_vertices,         PathVertex,          1,                    PER_CAMERA_VERTEX,  STATE_ALWAYS)
+STATE(camera_vertices,         CameraVertex,        1,                    PER_CAMERA_VERTEX,  STATE_ALWAYS)
 STATE(camera_vertex_histories, PathHistory,         1,                    PER_CAMERA_VERTEX,  STATE_HISTORIES)
 // On the side that the path arrived from.
 STATE(camera_vertex_media,     MediaSet,            1,                    PER_CAMERA_VERTEX,  STATE_MEDIA)
 STATE(camera_vertex_trails,    uint,                1,                    PER_CAMERA_VERTEX,  STATE_LAYERS)
 STATE(light_heads,             LightPathHead,       1,                    PER_LIGHT_PATH,     STATE_ALWAYS)
-STATE(light_vertices,          PathVertex,          1,                    PER_LIGHT_VERTEX,   STATE_ALWAYS)
+STATE(light_vertices,          LightVertex,         1,                    PER_LIGHT_VERTEX,   STATE_ALWAYS)
 STATE(light_vertex_histories,  PathHistory,         1,                    PER_LIGHT_VERTEX,   STATE_HISTORIES)
 STATE(light_vertex_trails,     uint,                1,                    PER_LIGHT_VERTEX,   STATE_LAYERS)
 STATE(light_vertex_media,      MediaSet,            1,                    PER_LIGHT_VERTEX,   STATE_MEDIA)

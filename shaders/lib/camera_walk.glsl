@@ -4,15 +4,14 @@
 
 #include "lib/film.glsl"
 #include "lib/footprint.glsl"
-#include "lib/history.glsl"
 #include "lib/layers.glsl"
+#include "lib/measure.glsl"
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
-#include "lib/strategies.glsl"
 
 // True if the path has met a surface that diffuses before the vertex it arrives at.
-bool is_diffused(Path path) { return (path.pixel & PATH_DIFFUSED) != 0u; }
+bool is_diffused(Path path) { return (path.number & PATH_DIFFUSED) != 0u; }
 
 // Technique `hit`: radiance that the surface sends back along the ray that arrived, weighted. An emitter that the
 // camera sees directly is found by no other technique.
@@ -34,29 +33,15 @@ Weighted emission_towards(Frame frame, ShadingPoint point, Path path, PathHistor
 // What a light contributes by technique `nee`, divided by its pdf and by the throughput: bsdf, cosine and weight.
 Weighted light_connection(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                       Regularization regularization, TechniqueCounts counts, LightSample light, vec3 wi) {
-  uvec4 seed = virtual_merge_seed(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, VIRTUAL_MERGE_AT_CAMERA,
+  uvec4 seed = virtual_merge_seed(frame.seed, path.number & PATH_NUMBER, path.sample_index, VIRTUAL_MERGE_AT_CAMERA,
                                   uvec3(path.bounce + 1u, 0u, 0u));
   ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_RADIANCE, regularization, seed);
   float emission_pdf = light.emission_ratio * arrival_cosine(point, light.wi);
   float per_light = light.is_delta ? 0.0 : 1.0 / light.pdf;
-  count_copies(counts, history.ratio, bsdf.ratio, vertex);
-  float weight = mis_weight_nee(counts, vertex, bsdf.eval.pdf_forward * per_light, emission_pdf, bsdf.eval.pdf_reverse,
-                                copies(bsdf.ratio));
-  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
-  vec3 unweighted = weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio);
-  if (has_sampler_quality()) {
-    uint edges = path.bounce + 1u;
-    float distance = edge_length(frame, light.distance, light.is_distant);
-    float worst = min(history_worst(history, counts, bsdf.bound, camera_edge_technique(edges)),
-                      bsdf.bound * light.bound / max(square(distance), 1e-12));
-    MisVertex plain = mis_camera_vertex(counts, history.plain.x, history.plain.y, edges);
-    float plain_weight = mis_weight_nee(counts, plain, bsdf.plain.pdf_forward * per_light, emission_pdf,
-                                        bsdf.plain.pdf_reverse, 1.0);
-    float share = regularized_share(frame, regularization, worst, history.distance + distance);
-    value = mix(bsdf.plain.value * plain_weight, value, share);
-    unweighted = mix(bsdf.plain.value, unweighted, share);
-  }
-  return Weighted(value * abs(wi.z), unweighted * abs(wi.z));
+  float distance = edge_length(frame, light.distance, light.is_distant);
+  Weighted measured = measure_nee(frame, counts, camera_end(vertex, history, path.bounce + 1u), bsdf, per_light,
+                                  emission_pdf, light.bound, distance, regularization);
+  return Weighted(measured.value * abs(wi.z), measured.unweighted * abs(wi.z));
 }
 
 // Technique `nee`: queues a shadow segment with what it would contribute.
@@ -81,7 +66,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
     candidate.direction = light.wi;
     candidate.t_max = 3.4e38;
   }
-  candidate.path = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? film_index(frame, path.pixel & PATH_PIXEL) : slot;
+  candidate.receiver = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? film_index(frame, path.number & PATH_NUMBER) : slot;
   candidate.contribution = contribution;
   uint index = append_candidate(candidate);
   if (has_contacts())
@@ -143,7 +128,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
     STORE(WordBuffer, frame.path_trails, slot, trail);
   }
   path.bounce += 1u;
-  if (is_regularized() && diffuses(point.bsdf)) path.pixel |= PATH_DIFFUSED;
+  if (is_regularized() && diffuses(point.bsdf)) path.number |= PATH_DIFFUSED;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);
 }
@@ -151,9 +136,9 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
 // Keeps the vertex for the connections and merges of this bounce; with 0 edges if it takes part in none.
 void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory history, Hit hit, uint slot,
                          bool is_usable) {
-  PathVertex vertex;
+  CameraVertex vertex;
   vertex.position = point.surface.position;
-  vertex.link = path.medium;
+  vertex.medium = path.medium;
   vertex.direction = -path.direction;
   vertex.triangle = hit.triangle;
   vertex.throughput = path.throughput;
@@ -161,7 +146,7 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory
   vertex.barycentrics = vec2(hit.u, hit.v);
   vertex.mis_b = path.mis_b;
   vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
-  STORE(PathVertexBuffer, frame.camera_vertices, slot, vertex);
+  STORE(CameraVertexBuffer, frame.camera_vertices, slot, vertex);
   if (has_layers())
     STORE(WordBuffer, frame.camera_vertex_trails, slot, LOAD(WordBuffer, frame.path_trails, slot));
   if (has_contacts()) STORE(MediaSetBuffer, frame.camera_vertex_media, slot, point.around);

@@ -4,12 +4,11 @@
 #define REGULUS_LIB_LIGHT_WALK_GLSL
 
 #include "lib/camera.glsl"
-#include "lib/history.glsl"
 #include "lib/layers.glsl"
+#include "lib/measure.glsl"
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
-#include "lib/strategies.glsl"
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
@@ -18,18 +17,18 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   uint index = ATOMIC_ADD(frame.light_vertex_count, LIGHT_COUNT_VERTICES, 1u);
   if (index >= frame.light_vertex_capacity) return;
   LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, head);
-  PathVertex vertex;
+  LightVertex vertex;
   vertex.position = point.surface.position;
-  vertex.link = list.last;
+  vertex.previous = list.last;
   vertex.direction = -path.direction;
   vertex.triangle = hit.triangle;
   vertex.throughput = path.throughput;
   vertex.mis_a = path.mis_a;
   vertex.barycentrics = vec2(hit.u, hit.v);
   vertex.mis_b = path.mis_b;
-  vertex.edges = (path.bounce + 1u) | spec_material_class << PATH_VERTEX_CLASS_SHIFT |
-                 (path.pixel & PATH_VERTEX_STREAM_MASK) << PATH_VERTEX_STREAM_SHIFT;
-  STORE(PathVertexBuffer, frame.light_vertices, index, vertex);
+  vertex.edges = (path.bounce + 1u) | spec_material_class << LIGHT_VERTEX_CLASS_SHIFT |
+                 (path.number & LIGHT_VERTEX_STREAM_MASK) << LIGHT_VERTEX_STREAM_SHIFT;
+  STORE(LightVertexBuffer, frame.light_vertices, index, vertex);
   if (has_layers())
     STORE(WordBuffer, frame.light_vertex_trails, index, LOAD(WordBuffer, frame.path_trails, slot));
   if (has_contacts()) STORE(MediaSetBuffer, frame.light_vertex_media, index, point.around);
@@ -42,7 +41,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
 // choose that light from there. Which light it is follows from the path's random numbers.
 float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
   if (spec_light_sampling == LIGHT_SAMPLING_POWER || (spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;
-  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+  vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
   uint light = select_by_power(frame, u.xy);
   float selection_pdf = LOAD(LightBuffer, frame.lights, light).selection_pdf;
   return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
@@ -51,7 +50,7 @@ float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
 // The share of a light's power that reaches the path's first vertex: less than 1 for a light of limited range.
 float first_range_share(Frame frame, Path path, float distance) {
   if ((spec_features & FEATURE_LIGHT_RANGES) == 0u) return 1.0;
-  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_EMISSION);
+  vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
   return range_share(LOAD(LightBuffer, frame.lights, select_by_power(frame, u.xy)), square(distance));
 }
 
@@ -79,52 +78,40 @@ bool is_off_film(Frame frame, vec2 film) {
 // Technique `splat`: queues the segment to the lens with what it would contribute.
 void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                      TechniqueCounts counts, Hit hit, uint slot) {
-  if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.round != 0u) return;
-  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
+  if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.is_repeated != 0u) return;
+  vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
   LensSample lens = sample_lens(frame.camera, film_size(frame), point.surface.position, u.xy);
   vec3 wi = to_local_seen(point, lens.wi);
   if (!lens.is_visible || is_off_film(frame, lens.film) || is_dark_towards(point, lens.wi)) return;
   Regularization regularization = regularization_of(frame, path.sample_index, false);
-  uvec4 seed = virtual_merge_seed(frame.seed, path.pixel, path.sample_index, VIRTUAL_MERGE_AT_LIGHT,
+  uvec4 seed = virtual_merge_seed(frame.seed, path.number & PATH_NUMBER, path.sample_index, VIRTUAL_MERGE_AT_LIGHT,
                                   uvec3(0u, path.bounce + 1u, 0u));
   ConnectionEval bsdf = bsdf_connect(point.bsdf, point.wo, wi, TRANSPORT_IMPORTANCE, regularization, seed);
   float area_pdf = lens.pdf * abs(dot(lens.wi, point.geometric_normal));
-  count_copies(counts, history.sharp_ratio, bsdf.ratio, vertex);
-  float weight = mis_weight_splat(counts, vertex, bsdf.eval.pdf_reverse, area_pdf, copies(bsdf.ratio));
-  vec3 value = weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio);
-  vec3 unweighted = weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio);
-  if (has_sampler_quality()) {
-    uint edges = path.bounce + 1u;
-    float distance = edge_length(frame, lens.distance, frame.camera.kind == CAMERA_ORTHOGRAPHIC);
-    float worst = min(history_worst(history, counts, bsdf.bound, light_edge_technique(edges)),
-                      bsdf.bound * camera_bound(frame) / max(square(distance), 1e-12));
-    MisVertex plain = mis_light_vertex(counts, history.plain.x, history.plain.y, edges);
-    float plain_weight = mis_weight_splat(counts, plain, bsdf.plain.pdf_reverse, area_pdf, 1.0);
-    float share = regularized_share(frame, regularization, worst, history.distance + distance);
-    value = mix(bsdf.plain.value * plain_weight, value, share);
-    unweighted = mix(bsdf.plain.value, unweighted, share);
-  }
+  float distance = edge_length(frame, lens.distance, frame.camera.kind == CAMERA_ORTHOGRAPHIC);
+  Weighted measured = measure_splat(frame, counts, light_end(vertex, history, path.bounce + 1u, false), bsdf, area_pdf,
+                                    camera_bound(frame), distance, regularization);
   float correction = shading_correction(point, -path.direction, point.wo.z);
   vec3 factor = path.throughput * (correction * area_pdf / float(frame.light_path_count)) *
                 transmittance(frame, medium_towards(frame, point, path.medium, wi.z), lens.open_distance) *
                 transmittance_before_plane(frame, lens.distance - lens.open_distance);
-  vec3 contribution = factor * value;
+  vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
   VisibilityCandidate segment =
       visibility_segment(point, lens.wi, point.surface.position + lens.open_distance * lens.wi);
-  segment.path = 0u;
+  segment.receiver = 0u;
   segment.contribution = contribution;
   uint trail = 0u;
   if (has_layers()) trail = LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, true);
   queue_splat(frame, segment, ray_media(point, lens.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)), lens.film, path.bounce + 1u,
-              trail, factor * unweighted);
+              trail, factor * measured.unweighted);
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: a path survives with the bsdf's own factor.
 // `sharp`: the vertex as it counts for a camera path that has not diffused on its way here.
 void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
                    TechniqueCounts counts, Hit hit, uint slot) {
-  vec4 u = random_block(frame.seed, path.pixel, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
+  vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction = to_world_seen(point, next.wi);

@@ -84,6 +84,7 @@ const float MIN_MIS_COS = 1e-7;
 // is_parallel: all rays of this edge run in the same direction (distant light, orthographic camera).
 void mis_arrive(inout Path path, float distance, float cos_here, bool is_parallel) {
   float inverse_cos = 1.0 / max(abs(cos_here), MIN_MIS_COS);
+  // 3.2: 1 / P is per area from here on. In B the squared distance cancels that of gR.
   float scale = is_parallel ? inverse_cos : square(distance) * inverse_cos;
   path.mis_a = raised_a(unraised_a(path.mis_a) * scale, raised_power(path.mis_a));
   path.mis_b *= inverse_cos;
@@ -102,7 +103,7 @@ MisVertex mis_camera_vertex(TechniqueCounts counts, float a, float b, uint edges
 
 // The accumulators of a stored light vertex. is_diffused: this vertex or one between it and the camera diffuses, so that
 // the one before it is regularized.
-MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, PathVertex light, uint index, bool is_diffused) {
+MisVertex light_vertex_mis(Frame frame, TechniqueCounts counts, LightVertex light, uint index, bool is_diffused) {
   vec2 accumulators = vec2(light.mis_a, light.mis_b);
   if (has_sharp_levels() && !is_diffused)
     accumulators = LOAD(Vec2Buffer, frame.light_vertex_sharp, index);
@@ -157,9 +158,10 @@ void mis_scatter_raised(MisVertex vertex, float inverse_pdf, float pdf_ratio, fl
 // pdf forward; cos_out: of the direction with the geometric normal.
 void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, float pdf_ratio, float cos_out,
                  inout Path path) {
-  path.mis_a = inverse_pdf;
+  path.mis_a = inverse_pdf;  // 3.2: A_{i+1} = 1 / P_{i+1}, per solid angle until the path arrives
   path.mis_b = 0.0;
   if (!has_light_subpaths()) return;
+  // 3.2: B_{i+1} = gR_{i+1} / P_{i+1} (eta + n_i A_i + rev_i B_i)
   path.mis_b = abs(cos_out) * ((vertex.merge + vertex.n * vertex.a) * inverse_pdf + pdf_ratio * vertex.b);
   if (vertex.power != 0u || !(path.mis_b < RAISED_UNIT)) mis_scatter_raised(vertex, inverse_pdf, pdf_ratio, cos_out, path);
 }
@@ -169,8 +171,9 @@ void mis_scatter(TechniqueCounts counts, MisVertex vertex, float inverse_pdf, fl
 // Technique s = 0. ab: the accumulators on arrival. pdf_connect: area pdf of the light point by nee; pdf_emit: by emission,
 // times the solid-angle pdf of emitting towards the camera. nee_copies: of technique nee.
 float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float pdf_emit, float nee_copies) {
-  float connected = counts.nee * nee_copies * pdf_connect * unraised_a(ab.x);
+  float connected = counts.nee * nee_copies * pdf_connect * unraised_a(ab.x);  // 3.2, hit: pc A^C_0
   uint power = raised_power(ab.x);
+  // 3.2, hit: pt fwd_0 B^C_0
   float emitted = power == 0u ? pdf_emit * ab.y : lowered(pdf_emit * (ab.y * RAISED_MIDDLE), power);
   return 1.0 / (1.0 + connected + emitted);
 }
@@ -179,6 +182,7 @@ float mis_weight_hit(TechniqueCounts counts, vec2 ab, float pdf_connect, float p
 // of the camera vertex when the light emits towards it, times p_trace / p_connect of the light point.
 float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, float emission_pdf,
                      float pdf_towards_camera, float copies) {
+  // 3.2, nee: P<_0 / pc + (pt / pc) P>_1 (eta + n_2 A^C_1 + fwd_1 B^C_1)
   float others = counts.hit * hit_ratio;
   if (has_light_subpaths()) others += mis_side(emission_pdf, camera.merge, camera, pdf_towards_camera);
   return 1.0 / (copies + others);
@@ -187,6 +191,7 @@ float mis_weight_nee(TechniqueCounts counts, MisVertex camera, float hit_ratio, 
 // Techniques s, t >= 2. area_pdf_light: of the light vertex, reached from the camera vertex; area_pdf_camera: the reverse.
 float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pdf_back, float area_pdf_light,
                          MisVertex camera, float camera_pdf_back, float area_pdf_camera, float copies) {
+  // 3.2, connect: P<_{s-1} (eta + A^L + rev B^L)_{s-1} + P>_s (eta + n A^C + fwd B^C)_s
   float others = mis_side(area_pdf_light, light.merge, light, light_pdf_back) +
                  mis_side(area_pdf_camera, camera.merge, camera, camera_pdf_back);
   return counts.connect / (counts.connect * copies + others);
@@ -195,11 +200,13 @@ float mis_weight_connect(TechniqueCounts counts, MisVertex light, float light_pd
 // Technique t = 1. camera_area_pdf: area pdf of the light vertex when the lens samples it (film density 1 per pixel area).
 float mis_weight_splat(TechniqueCounts counts, MisVertex light, float light_pdf_back, float camera_area_pdf,
                        float copies) {
+  // 3.2, splat: (P<_{K-1} / N) (eta + A^L + rev B^L)_{K-1}
   return counts.splat / (counts.splat * copies + mis_side(camera_area_pdf, light.merge, light, light_pdf_back));
 }
 
 float mis_weight_merge(TechniqueCounts counts, MisVertex light, float light_pdf_back, MisVertex camera,
                        float camera_pdf_back, float copies) {
+  // 3.2, merge: (A^L + rev B^L)_j / eta + (n A^C + fwd B^C)_j / eta
   return counts.merge / (counts.merge * copies + mis_side(1.0, 0.0, light, light_pdf_back) +
                          mis_side(1.0, 0.0, camera, camera_pdf_back));
 }

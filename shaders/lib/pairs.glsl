@@ -6,20 +6,20 @@
 #include "lib/queue.glsl"
 
 void append_pair(Frame frame, uint slot, uint index, uint edges_and_class) {
-  uint light_class = edges_and_class >> PATH_VERTEX_CLASS_SHIFT & PATH_VERTEX_CLASS_MASK;
+  uint light_class = edges_and_class >> LIGHT_VERTEX_CLASS_SHIFT & LIGHT_VERTEX_CLASS_MASK;
   append_connection(max(spec_material_class, light_class), ConnectionPair(slot, index));
 }
 
 // The vertices of the path's own light path.
 void append_own_pairs(Frame frame, Path path, uint slot) {
-  uint head = frame.light_head_modulus == 0u ? slot : (path.pixel & PATH_PIXEL) % frame.light_head_modulus;
+  uint head = frame.light_head_modulus == 0u ? slot : (path.number & PATH_NUMBER) % frame.light_head_modulus;
   uint index = LOAD(LightHeadBuffer, frame.light_heads, head).last;
   // A list is no longer than the longest path.
   for (uint i = 0u; i < frame.max_depth && index != INVALID_INDEX; ++i) {
-    uint edges = LOAD(PathVertexBuffer, frame.light_vertices, index).edges;
+    uint edges = LOAD(LightVertexBuffer, frame.light_vertices, index).edges;
     // The camera's edges, the connection, and the light's edges together.
     if (path.bounce + 2u + (edges & PATH_VERTEX_EDGES) <= frame.max_depth) append_pair(frame, slot, index, edges);
-    index = LOAD(PathVertexBuffer, frame.light_vertices, index).link;
+    index = LOAD(LightVertexBuffer, frame.light_vertices, index).previous;
   }
 }
 
@@ -43,14 +43,14 @@ void append_cache_pairs(Frame frame, Path path, uint slot) {
   uint cached = LOAD(WordBuffer, frame.light_vertex_count, LIGHT_COUNT_VERTICES);
   if (cached == 0u) return;
   for (uint k = 0u; k < frame.cache_connections; ++k) {
-    vec4 u = random_block(frame.seed, path.pixel & PATH_PIXEL, path.sample_index, DIMENSION_BLOCK_CACHE + path.bounce * 256u + k / 4u);
+    vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_CACHE + path.bounce * 256u + k / 4u);
     uint number = min(uint(u[k % 4u] * float(cached)), cached - 1u);
     uint light_path = light_path_of(frame, number);
     LightPathHead list = LOAD(LightHeadBuffer, frame.light_heads, light_path);
     uint steps = number - LOAD(WordBuffer, frame.light_path_ends, light_path);
     uint index = list.last;
-    for (uint i = 0u; i < steps && i < list.count; ++i) index = LOAD(PathVertexBuffer, frame.light_vertices, index).link;
-    uint edges = LOAD(PathVertexBuffer, frame.light_vertices, index).edges;
+    for (uint i = 0u; i < steps && i < list.count; ++i) index = LOAD(LightVertexBuffer, frame.light_vertices, index).previous;
+    uint edges = LOAD(LightVertexBuffer, frame.light_vertices, index).edges;
     if (path.bounce + 2u + (edges & PATH_VERTEX_EDGES) <= frame.max_depth) append_pair(frame, slot, index, edges);
   }
 }

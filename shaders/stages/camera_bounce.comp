@@ -13,7 +13,7 @@
 void add_emission(Frame frame, ShadingPoint point, Path path, vec3 emitted, uint slot) {
   if (has_layers()) {
     uint trail = LOAD(WordBuffer, frame.path_trails, slot) | group_trail(frame, point.surface.light);
-    if (!add_to_film(frame, trail, film_index(frame, path.pixel & PATH_PIXEL), emitted))
+    if (!add_to_film(frame, trail, film_index(frame, path.number & PATH_NUMBER), emitted))
       count_events(COUNTER_NON_FINITE, 1u);
   } else {
     STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
@@ -55,7 +55,7 @@ void main() {
   if (any(greaterThan(emitted, vec3(0.0))))
     add_emission(frame, point, path, clamp_contribution(emitted, frame.largest_contribution), slot);
   if (has_strategies())
-    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL),
+    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.number & PATH_NUMBER),
                     clamp_contribution(emitted, frame.largest_contribution), path.throughput * emission.unweighted);
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
@@ -65,7 +65,7 @@ void main() {
   if (ends) return;
   MisVertex vertex = mis_camera_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   uint block = DIMENSION_BLOCKS_FIRST + path.bounce * DIMENSION_BLOCKS_PER_BOUNCE;
-  uint pixel = path.pixel & PATH_PIXEL;
+  uint pixel = path.number & PATH_NUMBER;
   vec4 light_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_LIGHT);
   vec4 bsdf_u = random_block(frame.seed, pixel, path.sample_index, block + DIMENSION_BLOCK_BSDF);
   vec3 footprint = vec3(0.0);

@@ -27,7 +27,7 @@ void main() {
   if ((spec_techniques & TECHNIQUE_SPLAT) != 0u)
     path.mis_a = 1.0 / camera_ray_pdf(frame.camera, vec2(frame.width, frame.height), path.direction);
   path.mis_b = 0.0;
-  path.pixel = pixel;
+  path.number = pixel;
   path.throughput = vec3(1.0);
   path.sample_index = sample_index;
   path.eta_scale = 1.0;

@@ -4,11 +4,10 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "lib/film.glsl"
-#include "lib/history.glsl"
 #include "lib/layers.glsl"
+#include "lib/measure.glsl"
 #include "lib/queue.glsl"
 #include "lib/shading.glsl"
-#include "lib/strategies.glsl"
 
 // Number of connections among which the estimate of one camera vertex is divided.
 float connection_count(Frame frame) {
@@ -20,7 +19,8 @@ float connection_count(Frame frame) {
 // The two vertices of a connection.
 struct Connection {
   ConnectionPair pair;
-  PathVertex camera, light;
+  CameraVertex camera;
+  LightVertex light;
   ConnectionEval camera_bsdf, light_bsdf;
   bool is_diffused;  // is_diffused of light_vertex_mis
   uint iteration;
@@ -30,43 +30,24 @@ struct Connection {
 
 // Both bsdfs, and their product with the weight.
 Weighted weighted_value(Frame frame, Connection connection) {
-  PathVertex camera = connection.camera, light = connection.light;
-  ConnectionEval at_camera = connection.camera_bsdf, at_light = connection.light_bsdf;
+  CameraVertex camera = connection.camera;
+  LightVertex light = connection.light;
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   uint camera_edges = camera.edges & PATH_VERTEX_EDGES, light_edges = light.edges & PATH_VERTEX_EDGES;
-  MisVertex camera_mis = mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera_edges);
-  MisVertex light_mis = light_vertex_mis(frame, counts, light, connection.pair.vertex, connection.is_diffused);
   PathHistory camera_history, light_history;
-  float ratios = at_camera.ratio * at_light.ratio;
   if (has_histories()) {
     camera_history = LOAD(PathHistoryBuffer, frame.camera_vertex_histories, connection.pair.slot);
     light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, connection.pair.vertex);
-    count_copies(counts, camera_history.ratio, at_camera.ratio, camera_mis);
-    count_copies(counts, connection.is_diffused ? light_history.ratio : light_history.sharp_ratio, at_light.ratio,
-                 light_mis);
   }
-  float weight = mis_weight_connect(counts, light_mis, at_light.eval.pdf_reverse,
-                                    at_camera.eval.pdf_forward * connection.light_pdf_scale, camera_mis,
-                                    at_camera.eval.pdf_reverse,
-                                    at_light.eval.pdf_forward * connection.camera_pdf_scale, copies(ratios));
-  vec3 plain_value = at_camera.plain.value * at_light.plain.value;
-  vec3 raised_value = at_camera.eval.value * at_light.eval.value;
-  Weighted value = Weighted(weighted(raised_value, plain_value, weight, ratios), weighted(raised_value, plain_value, 1.0, ratios));
-  if (!has_sampler_quality()) return value;
-
-  MisVertex plain_camera = mis_camera_vertex(counts, camera_history.plain.x, camera_history.plain.y, camera_edges);
-  MisVertex plain_light = mis_light_vertex(counts, light_history.plain.x, light_history.plain.y, light_edges);
-  float plain_weight = mis_weight_connect(counts, plain_light, at_light.plain.pdf_reverse,
-                                          at_camera.plain.pdf_forward * connection.light_pdf_scale, plain_camera,
-                                          at_camera.plain.pdf_reverse,
-                                          at_light.plain.pdf_forward * connection.camera_pdf_scale, 1.0);
-  float distance = edge_length(frame, connection.distance, false);
-  float worst = min(history_worst(camera_history, counts, at_camera.bound, camera_edge_technique(camera_edges)),
-                    history_worst(light_history, counts, at_light.bound, light_edge_technique(light_edges)));
-  worst = min(worst, at_camera.bound * at_light.bound / max(square(distance), 1e-12));
-  float share = regularized_share(frame, regularization_of(frame, connection.iteration, true), worst,
-                                  camera_history.distance + light_history.distance + distance);
-  return Weighted(mix(plain_value * plain_weight, value.value, share), mix(plain_value, value.unweighted, share));
+  SubpathEnd camera_subpath = camera_end(mis_camera_vertex(counts, camera.mis_a, camera.mis_b, camera_edges),
+                                         camera_history, camera_edges);
+  SubpathEnd light_subpath =
+      light_end(light_vertex_mis(frame, counts, light, connection.pair.vertex, connection.is_diffused), light_history,
+                light_edges, connection.is_diffused);
+  return measure_connect(frame, counts, camera_subpath, connection.camera_bsdf, connection.camera_pdf_scale,
+                         light_subpath, connection.light_bsdf, connection.light_pdf_scale,
+                         edge_length(frame, connection.distance, false),
+                         regularization_of(frame, connection.iteration, true));
 }
 
 void main() {
@@ -74,8 +55,8 @@ void main() {
   if (i >= queue_count(QUEUE_PAIRS + spec_material_class)) return;
   Frame frame = FRAME;
   ConnectionPair pair = queued_pair(i);
-  PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, pair.slot);
-  PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, pair.vertex);
+  CameraVertex camera = LOAD(CameraVertexBuffer, frame.camera_vertices, pair.slot);
+  LightVertex light = LOAD(LightVertexBuffer, frame.light_vertices, pair.vertex);
 
   vec3 to_light = light.position - camera.position;
   float squared = dot(to_light, to_light);
@@ -98,8 +79,8 @@ void main() {
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
   uvec3 place = uvec3(camera.edges & PATH_VERTEX_EDGES, light.edges & PATH_VERTEX_EDGES,
-                      light.edges >> PATH_VERTEX_STREAM_SHIFT & PATH_VERTEX_STREAM_MASK);
-  uint pixel = path.pixel & PATH_PIXEL;
+                      light.edges >> LIGHT_VERTEX_STREAM_SHIFT & LIGHT_VERTEX_STREAM_MASK);
+  uint pixel = path.number & PATH_NUMBER;
   ConnectionEval camera_bsdf =
       bsdf_connect(camera_point.bsdf, camera_point.wo, camera_wi, TRANSPORT_RADIANCE,
                    regularization_of(frame, path.sample_index, camera_diffused),
@@ -117,13 +98,13 @@ void main() {
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
   vec3 factor = camera.throughput * light.throughput *
                 (abs(camera_wi.z) * light_cos * correction / connection_count(frame)) *
-                transmittance(frame, medium_towards(frame, camera_point, camera.link, camera_wi.z), distance);
+                transmittance(frame, medium_towards(frame, camera_point, camera.medium, camera_wi.z), distance);
   vec3 contribution = factor * value.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
-  candidate.path = film_index(frame, path.pixel & PATH_PIXEL);
+  candidate.receiver = film_index(frame, path.number & PATH_NUMBER);
   candidate.contribution = contribution;
   uint index = append_candidate(candidate);
   if (has_contacts())

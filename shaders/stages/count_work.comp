@@ -8,6 +8,6 @@ void main() {
   uint heads = FRAME.max_depth * QUEUES_PER_BOUNCE;
   for (uint head = item_index(); head < heads; head += WORKGROUP_SIZE) {
     uint count = LOAD(QueueHeadBuffer, FRAME.queue_heads, head).count;
-    if (count != 0u) count_events(COUNTER_QUEUE_ITEMS + stage.round * QUEUES_PER_BOUNCE + head % QUEUES_PER_BOUNCE, count);
+    if (count != 0u) count_events(COUNTER_QUEUE_ITEMS + stage.counted_pass * QUEUES_PER_BOUNCE + head % QUEUES_PER_BOUNCE, count);
   }
 }

@@ -36,12 +36,12 @@ void main() {
       clamp_contribution(path.throughput * environment.radiance * weight, frame.largest_contribution);
   if (has_layers()) {
     uint trail = LOAD(WordBuffer, frame.path_trails, slot) | group_trail(frame, frame.environment.light);
-    if (!add_to_film(frame, trail, film_index(frame, path.pixel & PATH_PIXEL), emitted))
+    if (!add_to_film(frame, trail, film_index(frame, path.number & PATH_NUMBER), emitted))
       count_events(COUNTER_NON_FINITE, 1u);
   } else {
     STORE(Vec3Buffer, frame.radiance, slot, LOAD(Vec3Buffer, frame.radiance, slot) + emitted);
   }
   if (has_strategies())
-    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.pixel & PATH_PIXEL), emitted,
+    add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.number & PATH_NUMBER), emitted,
                     path.throughput * environment.radiance);
 }

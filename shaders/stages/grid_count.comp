@@ -10,7 +10,7 @@ void main() {
   uint i = stage.first_pixel + item_index();
   Frame frame = FRAME;
   if (i >= light_vertex_count(frame)) return;
-  vec3 position = LOAD(PathVertexBuffer, frame.light_vertices, i).position;
+  vec3 position = LOAD(LightVertexBuffer, frame.light_vertices, i).position;
   uint cell = grid_cell(frame, ivec3(floor(grid_position(frame, stage.merge_radius, position))));
   uint rank = ATOMIC_ADD(frame.grid_cells, cell, 1u);
   STORE(WordBuffer, frame.grid_ranks, i, rank);

@@ -9,7 +9,7 @@ void main() {
   uint i = stage.first_pixel + item_index();
   Frame frame = FRAME;
   if (i >= light_vertex_count(frame)) return;
-  vec3 position = LOAD(PathVertexBuffer, frame.light_vertices, i).position;
+  vec3 position = LOAD(LightVertexBuffer, frame.light_vertices, i).position;
   uint cell = grid_cell(frame, ivec3(floor(grid_position(frame, stage.merge_radius, position))));
   uint place = LOAD(WordBuffer, frame.grid_cells, cell) + LOAD(WordBuffer, frame.grid_ranks, i);
   STORE(GridEntryBuffer, frame.grid_entries, place, GridEntry(position, i));

@@ -23,7 +23,7 @@ void main() {
   path.throughput *= transmittance(frame, path.medium, way);
   if (path.bounce == 0u) path.throughput *= first_range_share(frame, path, hit.t);
   if ((spec_features & FEATURE_LIGHT_RANGES) != 0u && path.throughput == vec3(0.0)) return;
-  bool is_parallel = path.bounce == 0u && path.eta_scale > 0.0;
+  bool is_parallel = path.bounce == 0u && (path.number & PATH_PARALLEL) != 0u;
   float cos_here = dot(path.direction, point.geometric_normal);
   float connect_ratio = path.bounce == 0u ? first_connect_ratio(frame, point, path) : 1.0;
   path.mis_a *= connect_ratio;
@@ -51,7 +51,7 @@ void main() {
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   MisVertex vertex = mis_light_vertex(counts, path.mis_a, path.mis_b, path.bounce + 1u);
   if (is_connectible(point) && has_state(STATE_VERTICES)) {
-    uint head = frame.light_head_modulus == 0u ? slot : path.pixel;
+    uint head = frame.light_head_modulus == 0u ? slot : path.number & PATH_NUMBER;
     store_light_vertex(frame, point, path, sharp, history, hit, head, slot);
   }
   // The walk ends where the normals disagree about its arrival. A merge has the camera's surface here, where they may

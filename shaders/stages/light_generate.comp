@@ -6,7 +6,7 @@
 #include "lib/light_walk.glsl"
 
 void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, uint iteration, uint trail) {
-  if (!connects_emitters() || stage.round != 0u) return;
+  if (!connects_emitters() || stage.is_repeated != 0u) return;
   if (!(emission.area_pdf > 0.0)) return;
   vec4 u = random_block(frame.seed, light_path, iteration, DIMENSION_BLOCK_EMISSION_DIRECTION);
   LensSample lens = sample_lens(frame.camera, film_size(frame), emission.point.position, u.zw);
@@ -16,7 +16,7 @@ void connect_emitter_to_lens(Frame frame, Emission emission, uint light_path, ui
   segment.origin = offset_origin(emission.point.position, emission.point.clearance, emission.point.normal, lens.wi);
   segment.direction = lens.wi;
   segment.t_max = lens.open_distance * SEGMENT_SCALE;
-  segment.path = 0u;
+  segment.receiver = 0u;
   segment.contribution =
       emission.radiance * (lens.pdf * abs(cos_light) / (emission.area_pdf * float(frame.light_path_count)));
   PathMedia media = start_media(NO_MEDIA);
@@ -59,10 +59,10 @@ void main() {
   path.direction = emission.direction;
   path.mis_a = emission.inverse_pdf;
   path.mis_b = (spec_techniques & TECHNIQUE_HIT) != 0u ? emission.hit_term : 0.0;
-  path.pixel = light_path;
+  path.number = emission.is_parallel ? light_path | PATH_PARALLEL : light_path;
   path.sample_index = iteration;
   path.throughput = emission.throughput;
-  path.eta_scale = emission.is_parallel ? 1.0 : 0.0;
+  path.eta_scale = 1.0;
   path.bounce = 0u;
   path.medium = INVALID_INDEX;
   if (has_contacts()) {

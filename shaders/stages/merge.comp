@@ -5,11 +5,10 @@
 #include "lib/coverage.glsl"
 #include "lib/film.glsl"
 #include "lib/grid.glsl"
-#include "lib/history.glsl"
 #include "lib/layers.glsl"
+#include "lib/measure.glsl"
 #include "lib/queue.glsl"
 #include "lib/shading.glsl"
-#include "lib/strategies.glsl"
 
 // Surfaces with less coverage are hardly ever met: this bound loses a share of light of its own size.
 const float MIN_COVERAGE = 1e-3;
@@ -17,7 +16,7 @@ const float MIN_COVERAGE = 1e-3;
 // A camera vertex that gathers.
 struct Gatherer {
   ShadingPoint point;
-  PathVertex vertex;
+  CameraVertex vertex;
   MisVertex mis;
   PathHistory history;
   uint edges;
@@ -29,39 +28,20 @@ struct Gatherer {
 };
 
 // The bsdf of a merge with light vertex `light`, number `index`, and its product with the weight.
-Weighted weighted_value(Frame frame, Gatherer gatherer, PathVertex light, uint index, vec3 wi) {
+Weighted weighted_value(Frame frame, Gatherer gatherer, LightVertex light, uint index, vec3 wi) {
   TechniqueCounts counts = gatherer.counts;
   uvec3 place = uvec3(gatherer.edges, light.edges & PATH_VERTEX_EDGES,
-                      light.edges >> PATH_VERTEX_STREAM_SHIFT & PATH_VERTEX_STREAM_MASK);
+                      light.edges >> LIGHT_VERTEX_STREAM_SHIFT & LIGHT_VERTEX_STREAM_MASK);
   uvec4 seed = virtual_merge_seed(frame.seed, gatherer.pixel, gatherer.iteration, VIRTUAL_MERGE_AT_MERGE, place);
   ConnectionEval bsdf =
       bsdf_connect(gatherer.point.bsdf, gatherer.point.wo, wi, TRANSPORT_RADIANCE, gatherer.regularization, seed);
-  MisVertex light_mis = light_vertex_mis(frame, counts, light, index, gatherer.is_diffused);
-  MisVertex camera_mis = gatherer.mis;
-  PathHistory light_history;
-  if (has_histories()) {
-    light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, index);
-    count_copies(counts, gatherer.history.ratio, bsdf.ratio, camera_mis);
-    count_copies(counts, gatherer.is_diffused ? light_history.ratio : light_history.sharp_ratio, bsdf.ratio, light_mis);
-  }
-  float weight = mis_weight_merge(counts, light_mis, bsdf.eval.pdf_forward, camera_mis, bsdf.eval.pdf_reverse,
-                                  copies(bsdf.ratio));
-  Weighted value = Weighted(weighted(bsdf.eval.value, bsdf.plain.value, weight, bsdf.ratio),
-                            weighted(bsdf.eval.value, bsdf.plain.value, 1.0, bsdf.ratio));
-  if (!has_sampler_quality()) return value;
-
   uint light_edges = light.edges & PATH_VERTEX_EDGES;
-  vec2 camera_plain = gatherer.history.plain, light_plain = light_history.plain;
-  float plain_weight =
-      mis_weight_merge(counts, mis_light_vertex(counts, light_plain.x, light_plain.y, light_edges), bsdf.plain.pdf_forward,
-                       mis_camera_vertex(counts, camera_plain.x, camera_plain.y, gatherer.edges), bsdf.plain.pdf_reverse,
-                       1.0);
-  float worst = min(history_worst(gatherer.history, counts, bsdf.bound, camera_edge_technique(gatherer.edges)),
-                    history_worst(light_history, counts, bsdf.bound, light_edge_technique(light_edges)));
-  float share =
-      regularized_share(frame, gatherer.regularization, worst, gatherer.history.distance + light_history.distance);
-  return Weighted(mix(bsdf.plain.value * plain_weight, value.value, share),
-                  mix(bsdf.plain.value, value.unweighted, share));
+  PathHistory light_history;
+  if (has_histories()) light_history = LOAD(PathHistoryBuffer, frame.light_vertex_histories, index);
+  SubpathEnd light_subpath = light_end(light_vertex_mis(frame, counts, light, index, gatherer.is_diffused), light_history,
+                                       light_edges, gatherer.is_diffused);
+  return measure_merge(frame, counts, camera_end(gatherer.mis, gatherer.history, gatherer.edges), light_subpath, bsdf,
+                       gatherer.regularization);
 }
 
 // The range [x, y) of the `total` light vertices in reach that this dispatch looks at, MERGE_ROUND_LENGTH at most.
@@ -71,13 +51,13 @@ uvec2 visits_of(Frame frame, uint slot, uint total) {
   uint first = max(start, stage.merge_first);
   uint last = min(start + merge_units(total), stage.merge_first + stage.merge_units);
   if (first >= last) return uvec2(0u);
-  uint begin = (first - start) * MERGE_UNIT + stage.round * MERGE_ROUND_LENGTH;
+  uint begin = (first - start) * MERGE_UNIT + stage.merge_turn * MERGE_ROUND_LENGTH;
   uint end = min((last - start) * MERGE_UNIT, total);
   return uvec2(begin, min(end, begin + MERGE_ROUND_LENGTH));
 }
 
 // What one light vertex contributes at the camera vertex.
-Weighted merge_contribution(Frame frame, Gatherer gatherer, PathVertex light, uint index) {
+Weighted merge_contribution(Frame frame, Gatherer gatherer, LightVertex light, uint index) {
   vec3 wi;
   if (!to_local_lit(gatherer.point, light.direction, wi) || is_beyond_horizon(gatherer.point, light.direction))
     return Weighted(vec3(0.0), vec3(0.0));
@@ -92,7 +72,7 @@ void main() {
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
   uint slot = queued_arrival(i);
-  PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, slot);
+  CameraVertex camera = LOAD(CameraVertexBuffer, frame.camera_vertices, slot);
   if (camera.edges == 0u) return;
   Neighbourhood near = neighbourhood(frame, stage.merge_radius, camera.position);
   uvec2 visits = visits_of(frame, slot, near.total);
@@ -109,7 +89,7 @@ void main() {
   Triangle triangle = placed_triangle(frame, camera.triangle).triangle;
   gatherer.vertex.throughput /= max(coverage_at(frame, triangle, camera.barycentrics), MIN_COVERAGE);
   gatherer.edges = camera.edges & PATH_VERTEX_EDGES;
-  gatherer.pixel = path.pixel & PATH_PIXEL;
+  gatherer.pixel = path.number & PATH_NUMBER;
   gatherer.iteration = path.sample_index;
   bool is_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   gatherer.is_diffused = !has_diffusion() || is_diffused || diffuses(gatherer.point.bsdf);
@@ -122,7 +102,7 @@ void main() {
     place -= near.count[range];
     range += 1u;
   }
-  uint pixel = film_index(frame, path.pixel & PATH_PIXEL), trail = 0u;
+  uint pixel = film_index(frame, path.number & PATH_NUMBER), trail = 0u;
   if (has_layers())
     trail = LOAD(WordBuffer, frame.camera_vertex_trails, slot) | vertex_trail(gatherer.point.bsdf, gatherer.edges == 1u);
   FixedSum sum = FIXED_SUM_ZERO;
@@ -136,7 +116,7 @@ void main() {
     }
     vec3 offset = entry.position - camera.position;
     if (dot(offset, offset) > square(stage.merge_radius)) continue;
-    PathVertex light = LOAD(PathVertexBuffer, frame.light_vertices, entry.vertex);
+    LightVertex light = LOAD(LightVertexBuffer, frame.light_vertices, entry.vertex);
     if (gatherer.edges + (light.edges & PATH_VERTEX_EDGES) > frame.max_depth) continue;
     Weighted contribution = merge_contribution(frame, gatherer, light, entry.vertex);
     contribution.value = clamp_contribution(contribution.value, frame.largest_contribution);

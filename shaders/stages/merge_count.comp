@@ -11,7 +11,7 @@ void main() {
   if (i >= queue_count(QUEUE_BOUNCE + spec_material_class)) return;
   Frame frame = FRAME;
   uint slot = queued_arrival(i);
-  PathVertex camera = LOAD(PathVertexBuffer, frame.camera_vertices, slot);
+  CameraVertex camera = LOAD(CameraVertexBuffer, frame.camera_vertices, slot);
   if (camera.edges == 0u) return;
   uint units = merge_units(neighbourhood(frame, stage.merge_radius, camera.position).total);
   STORE(WordBuffer, frame.merge_starts, slot, ATOMIC_ADD(frame.light_vertex_count, LIGHT_COUNT_UNITS, units));

@@ -34,7 +34,7 @@ void main() {
   uint index = stage.first_pixel + item_index();
   if (index >= frame.crop.z * frame.crop.w) return;
   uint pixel = pixel_of(frame, index);
-  uint ray = stage.round;
+  uint ray = stage.surface_ray;
   bool is_centre = ray == AOV_RAYS;
   vec4 u = random_block(frame.seed, pixel, ray, DIMENSION_BLOCK_CAMERA);
   vec2 offset = is_centre ? vec2(0.0) : sample_filter(u.xy, frame.filter_radius, frame.filter_sigma);

@@ -18,9 +18,9 @@ void main() {
   if (!is_seen) return;
   candidate.contribution = clamp_contribution(candidate.contribution, FRAME.largest_contribution);
   const bool is_of_path = (spec_techniques & TECHNIQUE_CONNECT) == 0u;
-  uint pixel = candidate.path;
+  uint pixel = candidate.receiver;
   if (is_of_path && (has_strategies() || has_layers()))
-    pixel = film_index(FRAME, LOAD(PathBuffer, FRAME.paths, pixel).pixel & PATH_PIXEL);
+    pixel = film_index(FRAME, LOAD(PathBuffer, FRAME.paths, pixel).number & PATH_NUMBER);
   if (has_strategies()) {
     StrategyCandidate strategy = LOAD(StrategyCandidateBuffer, FRAME.candidate_strategies, i);
     add_to_strategy(FRAME, strategy.layer, pixel, candidate.contribution, strategy.unweighted);
@@ -29,10 +29,10 @@ void main() {
     uint trail = LOAD(WordBuffer, FRAME.candidate_trails, i);
     if (!add_to_film(FRAME, trail, pixel, candidate.contribution)) count_events(COUNTER_NON_FINITE, 1u);
   } else if (is_of_path) {
-    vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.path);
-    STORE(Vec3Buffer, FRAME.radiance, candidate.path, radiance + candidate.contribution);
+    vec3 radiance = LOAD(Vec3Buffer, FRAME.radiance, candidate.receiver);
+    STORE(Vec3Buffer, FRAME.radiance, candidate.receiver, radiance + candidate.contribution);
   } else if (is_valid_sample(candidate.contribution)) {
-    film_add(FRAME.film, candidate.path, candidate.contribution);
+    film_add(FRAME.film, candidate.receiver, candidate.contribution);
   } else {
     count_events(COUNTER_NON_FINITE, 1u);
   }

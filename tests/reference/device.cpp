@@ -242,8 +242,9 @@ TEST(DeviceStagesControl, AFaultInAnyStageIsFound) {
        [](Recording& r) {
          render::RecordedBounce& bounce = r.bounces[0];
          for (const VisibilityCandidate& candidate : bounce.candidates) {
-           if (bounce.radiance[candidate.path] == bounce.radiance_before_visibility[candidate.path]) continue;
-           bounce.radiance[candidate.path] = bounce.radiance_before_visibility[candidate.path];
+           if (bounce.radiance[candidate.receiver] == bounce.radiance_before_visibility[candidate.receiver])
+             continue;
+           bounce.radiance[candidate.receiver] = bounce.radiance_before_visibility[candidate.receiver];
            if (glm::length(candidate.contribution) > 1e-3F) break;
          }
        }},
