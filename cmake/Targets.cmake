@@ -4,6 +4,9 @@ add_library(regulus_options INTERFACE)
 target_include_directories(regulus_options INTERFACE ${CMAKE_SOURCE_DIR}/host ${CMAKE_SOURCE_DIR}/host/include ${CMAKE_SOURCE_DIR}/shaders)
 target_compile_options(regulus_options INTERFACE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
   -Wno-sign-conversion -ffp-contract=off)
+if(CMAKE_UNITY_BUILD)  # where sources look like headers
+  target_compile_options(regulus_options INTERFACE -Wno-subobject-linkage)
+endif()
 if(REGULUS_WERROR)
   target_compile_options(regulus_options INTERFACE -Werror)
 endif()
@@ -33,6 +36,7 @@ function(regulus_test name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
   set(target regulus_test_${name})
   add_executable(${target} ${ARG_SOURCES})
+  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)  # cases have helpers of the same names
   target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main fmt::fmt
     ${ARG_LINK})
   target_compile_options(${target} PRIVATE ${REGULUS_LIGHT_OPTIMIZATION})
@@ -44,4 +48,8 @@ function(regulus_test name)
   endif()
   add_test(NAME ${name} COMMAND ${target} WORKING_DIRECTORY ${CMAKE_BINARY_DIR})
   set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 900)
+  if(REGULUS_TEST_CASES)
+    gtest_discover_tests(${target} TEST_PREFIX "${name}/" WORKING_DIRECTORY ${CMAKE_BINARY_DIR} DISCOVERY_MODE PRE_TEST
+      PROPERTIES LABELS CASE TIMEOUT 900)
+  endif()
 endfunction()

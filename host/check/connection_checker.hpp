@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/components.hpp"
 #include "check/check.hpp"
 #include "check/item_class.hpp"
 #include "check/sampled_light.hpp"
@@ -45,10 +46,6 @@ inline constexpr double WINDOW_ROUNDINGS = 8 * 0x1p-24;
 // than a fourth of what the device happens to have is a matter of 3e-6.
 inline constexpr uint32_t ROUNDING_PATTERNS = 8;
 inline constexpr double CONDITIONING = 4;
-
-inline double largest(const dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 /// All walks of an iteration.
 struct Iteration {
@@ -197,8 +194,8 @@ class ConnectionChecker {
   // ---- values and weights
 
   static double relative(const dvec3& found, const dvec3& expected, double floor) {
-    const double difference = largest(found - expected);
-    return difference == 0 ? 0 : difference / std::max(largest(expected), floor);
+    const double difference = largest_magnitude(found - expected);
+    return difference == 0 ? 0 : difference / std::max(largest_magnitude(expected), floor);
   }
 
   static void add(const Expected& more, std::optional<Expected>& sum) {
@@ -245,7 +242,7 @@ class ConnectionChecker {
     const double error = relative(item.found, wanted.value(), floor);
     // Two points of one plane are connected at cosines that are nothing but rounding.
     const double least = std::max(NOISE * floor, item.technique == TECHNIQUE_MERGE ? 1e6 * film_unit() : 0);
-    const bool has_weight = wanted.is_one_path && largest(wanted.value()) > least;
+    const bool has_weight = wanted.is_one_path && largest_magnitude(wanted.value()) > least;
     const double weight =
         has_weight ? reference::luminance(item.found) / reference::luminance(wanted.unweighted) : 0;
     const double weight_error = has_weight ? std::abs(weight - wanted.weight) : 0;

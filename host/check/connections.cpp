@@ -267,7 +267,7 @@ Tally ConnectionChecker::judge(const char* name, const std::vector<Item>& items,
   double mean = 0;
   for (const Item& item : items) {
     exact.push_back(expected(iterations_.front(), item));
-    if (exact.back()) mean += largest(exact.back()->value()) / static_cast<double>(items.size());
+    if (exact.back()) mean += largest_magnitude(exact.back()->value()) / static_cast<double>(items.size());
   }
   const double floor = 0.01 * mean;
   for (size_t i = 0; i < items.size(); ++i)

@@ -14,7 +14,7 @@ using namespace interface;
 
 namespace {
 
-std::string text_of(const dvec3& v) {
+std::string digits_of(const dvec3& v) {
   return fmt::format("({:.7g} {:.7g} {:.7g})", v.x, v.y, v.z);
 }
 
@@ -42,8 +42,8 @@ std::string device_vertex(const Subject& subject, const render::Recording& recor
   const Hit& hit = bounce.hits[0];
   if (hit.triangle == INVALID_INDEX) return "the device's ray hit nothing";
   const reference::Surface surface = subject.world.surface_at(hit.triangle, {hit.u, hit.v});
-  return fmt::format("triangle {:>8}  position {}  arrives with {}", hit.triangle, text_of(surface.position),
-                     text_of(dvec3(bounce.before[0].throughput)));
+  return fmt::format("triangle {:>8}  position {}  arrives with {}", hit.triangle,
+                     digits_of(surface.position), digits_of(dvec3(bounce.before[0].throughput)));
 }
 
 std::string describe_vertex(const Subject& subject, const reference::WalkVertex& vertex, size_t index,
@@ -53,19 +53,19 @@ std::string describe_vertex(const Subject& subject, const reference::WalkVertex&
   std::string text = fmt::format("vertex {}: material {} \"{}\"{}\n", index + 1, material,
                                  subject.prepared.scene.material_names[material],
                                  vertex.surface.light == INVALID_INDEX ? "" : ", emits");
-  text +=
-      fmt::format("  reference  triangle {:>8}  position {}  arrives with {}\n", vertex.surface.triangle,
-                  text_of(vertex.surface.position), text_of(vertex.throughput / vertex.edge.transmittance));
+  text += fmt::format("  reference  triangle {:>8}  position {}  arrives with {}\n", vertex.surface.triangle,
+                      digits_of(vertex.surface.position),
+                      digits_of(vertex.throughput / vertex.edge.transmittance));
   text += fmt::format("  device     {}\n", device_vertex(subject, recording, index));
   text += fmt::format("  distance {:.7g}  normal {}  shading normal {}\n", vertex.edge.distance,
-                      text_of(vertex.surface.geometric_normal), text_of(vertex.surface.shading_normal));
+                      digits_of(vertex.surface.geometric_normal), digits_of(vertex.surface.shading_normal));
   text += fmt::format("  bsdf: base {} metallic {:.4g} alpha {:.4g} ior {:.4g} transmission {:.4g}\n",
-                      text_of(bsdf.base_color), bsdf.metallic, bsdf.alpha.x, bsdf.ior, bsdf.transmission);
+                      digits_of(bsdf.base_color), bsdf.metallic, bsdf.alpha.x, bsdf.ior, bsdf.transmission);
   const reference::VertexScattering& step = vertex.scattering;
   if (vertex.sample.is_valid)
     text += fmt::format("  step: {}{}, value {} pdf to light {:.7g} to camera {:.7g}\n",
                         step.is_delta ? "delta " : "",
-                        vertex.sample.is_transmitted ? "transmission" : "reflection", text_of(step.value),
+                        vertex.sample.is_transmitted ? "transmission" : "reflection", digits_of(step.value),
                         step.reverse, step.forward);
   return text;
 }
@@ -75,7 +75,7 @@ std::string describe_contribution(const reference::Contribution& found) {
   const reference::Technique* used = find_technique(found.techniques, sampled.technique, sampled.vertex);
   std::string text =
       fmt::format("path of {} edges by {}: contributes {} = weight {:.6g} times {}\n", sampled.path.length(),
-                  name_of(*used), text_of(found.value()), found.weight, text_of(found.unweighted));
+                  name_of(*used), digits_of(found.value()), found.weight, digits_of(found.unweighted));
   for (const reference::Technique& technique : found.techniques)
     text +=
         fmt::format("    {:<14} n p {:>12.5g}  weight {:.6g}\n", name_of(technique),
@@ -93,10 +93,10 @@ std::string describe_path(const Subject& subject, uint32_t pixel, uint32_t sampl
   const interface::Path& generated = recording.generated.front();
   std::string text = fmt::format("pixel {}, sample {}: film point ({:.6f}, {:.6f})\n", pixel, sample,
                                  walk.film.x, walk.film.y);
-  text += fmt::format("  reference  origin {}  direction {}\n", text_of(walk.ray.origin),
-                      text_of(walk.ray.direction));
-  text += fmt::format("  device     origin {}  direction {}\n", text_of(dvec3(generated.origin)),
-                      text_of(dvec3(generated.direction)));
+  text += fmt::format("  reference  origin {}  direction {}\n", digits_of(walk.ray.origin),
+                      digits_of(walk.ray.direction));
+  text += fmt::format("  device     origin {}  direction {}\n", digits_of(dvec3(generated.origin)),
+                      digits_of(dvec3(generated.direction)));
   for (size_t i = 0; i < walk.vertices.size(); ++i)
     text += describe_vertex(subject, walk.vertices[i], i, recording);
 
@@ -112,10 +112,10 @@ std::string describe_path(const Subject& subject, uint32_t pixel, uint32_t sampl
     text += describe_contribution(found);
     sum += found.value();
   });
-  text += fmt::format("sum of the reference: {}\n", text_of(sum));
+  text += fmt::format("sum of the reference: {}\n", digits_of(sum));
   // The recorder walks without connections and merges: only then are its sums the same thing.
   if ((settings.techniques & (TECHNIQUE_CONNECT | TECHNIQUE_MERGE)) == 0)
-    text += fmt::format("sum of the device:    {}\n", text_of(dvec3(recording.bounces.back().radiance[0])));
+    text += fmt::format("sum of the device:    {}\n", digits_of(dvec3(recording.bounces.back().radiance[0])));
   return text;
 }
 

@@ -37,8 +37,8 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
   std::vector<Sought> ours;
   std::vector<uint32_t> by_x;
   for (uint32_t i = 0; i < recording_.splats.size(); ++i) {
-    ours.push_back(
-        {dvec2(recording_.splats[i].film), largest(dvec3(recording_.splats[i].segment.contribution))});
+    ours.push_back({dvec2(recording_.splats[i].film),
+                    largest_magnitude(dvec3(recording_.splats[i].segment.contribution))});
     by_x.push_back(i);
   }
   std::ranges::sort(by_x, {}, [&](uint32_t i) { return ours[i].film.x; });
@@ -66,7 +66,7 @@ std::vector<Item> ConnectionChecker::splats(Tally& on_one_side) const {
       }
       if (!best) {
         theirs.emplace_back(
-            Sought{film, largest(found.unweighted * found.weight), of_class},
+            Sought{film, largest_magnitude(found.unweighted * found.weight), of_class},
             fmt::format("splat of light path {}, {} edges, at ({:.3f} {:.3f}): the reference alone", path,
                         edges, film.x, film.y));
         return;
@@ -105,7 +105,8 @@ void ConnectionChecker::find_missing_light_samples(Tally& on_one_side) const {
     double mean = 0;
     for (const VisibilityCandidate& candidate : bounce.light_samples) {
       has_sample[candidate.receiver] = true;
-      mean += largest(dvec3(candidate.contribution)) / static_cast<double>(bounce.light_samples.size());
+      mean +=
+          largest_magnitude(dvec3(candidate.contribution)) / static_cast<double>(bounce.light_samples.size());
     }
     for (const uint32_t slot : bounce.slots) {
       const auto& vertices = iterations_.front().camera[slot].vertices;
@@ -133,7 +134,7 @@ bool ConnectionChecker::is_always_lit(uint32_t pixel, uint32_t bounce, double le
     const dvec2 at = glm::clamp(dvec2(u.z, u.w) + moved, 0.0, 1 - reference::UNIT_ROUNDOFF);
     const auto sampled =
         connect_to_light(subject_.world, sample_light_point(subject_.world, *light, at), camera, bounce + 1);
-    if (!sampled || !(largest(by_definition(*sampled).value()) > least)) return false;
+    if (!sampled || !(largest_magnitude(by_definition(*sampled).value()) > least)) return false;
   }
   return true;
 }
@@ -160,14 +161,15 @@ Tally ConnectionChecker::check_splat_film() const {
         expected[pixel] += filter.value(offset) * dvec3(segment.contribution);
         // A window is a sum of cosines: towards its rim they cancel, to roundings of its peak.
         if (filter.value(offset) > 0)
-          rounding[pixel] += WINDOW_ROUNDINGS * largest(dvec3(segment.contribution)) *
+          rounding[pixel] += WINDOW_ROUNDINGS * largest_magnitude(dvec3(segment.contribution)) *
                              (filter.value({offset.x, 0}) + filter.value({0, offset.y}));
       }
   }
   double mean = 0;
-  for (const dvec3& value : expected) mean += largest(value) / static_cast<double>(expected.size());
+  for (const dvec3& value : expected) mean += largest_magnitude(value) / static_cast<double>(expected.size());
   for (size_t i = 0; i < expected.size(); ++i) {
-    const double excused = rounding[i] > 0 ? rounding[i] / std::max(largest(expected[i]), 0.01 * mean) : 0;
+    const double excused =
+        rounding[i] > 0 ? rounding[i] / std::max(largest_magnitude(expected[i]), 0.01 * mean) : 0;
     const dvec3& found = recording_.splat_film[i];
     if (!tally.add_error(relative(found, expected[i], 0.01 * mean), excused))
       tally.describe(fmt::format("pixel {}: ({:.6g} {:.6g} {:.6g}) against ({:.6g} {:.6g} {:.6g})", i,

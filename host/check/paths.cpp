@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "base/components.hpp"
 #include "check/check.hpp"
 #include "check/item_class.hpp"
 #include "reference/estimator.hpp"
@@ -27,14 +28,10 @@ constexpr double PATHS_ALLOWED = 0.01;
 // How often the reference is run again, with its numbers moved as single precision may move them, to see how
 // well conditioned a path or pixel is. Of what that moves it, CONDITIONING times is not held against the
 // device.
-constexpr uint32_t ROUNDING_PATTERNS = 4;
+constexpr uint32_t WALK_PATTERNS = 4;
 constexpr double CONDITIONING = 4;
 // Pixels in reach of a splat with the default filter, all of which change when a light path diverges.
 constexpr double PIXELS_OF_A_SPLAT = 9;
-
-double largest(const dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-}
 
 /// The triangles that a path of the device meets, by slot.
 std::vector<std::vector<uint32_t>> triangles_of(const render::Recording& recording) {
@@ -74,7 +71,7 @@ void compare_vertices(const Subject& subject, const Path& path, const std::vecto
                       const std::vector<uint32_t>& expected, const std::string& of_class, size_t& moved_paths,
                       Tally& tally) {
   bool is_tie = false;
-  for (uint32_t pattern = 1; pattern <= ROUNDING_PATTERNS; ++pattern) {
+  for (uint32_t pattern = 1; pattern <= WALK_PATTERNS; ++pattern) {
     const std::vector<uint32_t> moved = triangles_of(
         reference_walk(subject, subject.reference_settings, path.number, path.sample_index, pattern));
     moved_paths += moved == expected ? 0 : 1;
@@ -93,8 +90,8 @@ void compare_vertices(const Subject& subject, const Path& path, const std::vecto
 
 /// Error relative to the value, or for values far below `floor` to that.
 double relative_error(const dvec3& found, const dvec3& expected, double floor) {
-  const double difference = largest(found - expected);
-  return difference == 0 ? 0 : difference / std::max(largest(expected), floor);
+  const double difference = largest_magnitude(found - expected);
+  return difference == 0 ? 0 : difference / std::max(largest_magnitude(expected), floor);
 }
 
 std::string against(const dvec3& found, const dvec3& expected) {
@@ -110,11 +107,11 @@ void compare_colors(const std::vector<dvec3>& found, reference::Settings setting
                     const Describe& describe, const std::vector<std::string>& classes, Tally& tally) {
   const std::vector<dvec3> expected = evaluate(settings);
   double mean = 0;
-  for (const dvec3& value : expected) mean += largest(value) / static_cast<double>(expected.size());
+  for (const dvec3& value : expected) mean += largest_magnitude(value) / static_cast<double>(expected.size());
   std::vector<double> errors(found.size()), spreads(found.size(), 0.0);
   for (size_t i = 0; i < found.size(); ++i) errors[i] = relative_error(found[i], expected[i], 0.01 * mean);
   if (std::any_of(errors.begin(), errors.end(), [](double e) { return !(e <= RADIANCE_BOUND); })) {
-    for (uint32_t pattern = 1; pattern <= ROUNDING_PATTERNS; ++pattern) {
+    for (uint32_t pattern = 1; pattern <= WALK_PATTERNS; ++pattern) {
       settings.rounding_pattern = pattern;
       const std::vector<dvec3> moved = evaluate(settings);
       for (size_t i = 0; i < found.size(); ++i)
@@ -170,7 +167,7 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
     return fmt::format("pixel {} sample {}", path.number, path.sample_index);
   };
   compare_colors(found, subject.reference_settings, evaluate, describe, classes, radiance);
-  vertices.expect_ties(moved_paths / ROUNDING_PATTERNS);
+  vertices.expect_ties(moved_paths / WALK_PATTERNS);
   return {vertices, radiance};
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <set>
 
+#include "base/components.hpp"
 #include "check/check.hpp"
 #include "check/item_class.hpp"
 #include "reference/lights.hpp"
@@ -45,10 +46,6 @@ double sign_of(int jitter, int input) {
 
 dvec3 moved(const dvec3& v, double amount, int jitter) {
   return v + amount * dvec3(sign_of(jitter, 0), sign_of(jitter, 1), sign_of(jitter, 2));
-}
-
-double largest(const dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 std::string text_of(const dvec3& v) {
@@ -96,7 +93,7 @@ class StageChecker {
       }
       const reference::Place place = place_of(bounce.media_before, slot);
       const auto expected = closest(ray, place);
-      const double scale = largest(ray.origin) + (expected ? expected->t : subject_.world.radius());
+      const double scale = largest_magnitude(ray.origin) + (expected ? expected->t : subject_.world.radius());
       if (expected && hit.triangle == expected->triangle) {
         if (!tally.add_error(std::abs(hit.t - expected->t) / distance_conditioning(ray, *expected)))
           tally.describe(fmt::format("slot {}: t {} against {}", slot, hit.t, expected->t));
@@ -129,10 +126,11 @@ class StageChecker {
       const VisibilityCandidate& candidate = bounce.candidates[i];
       const dvec3 added = dvec3(bounce.radiance[candidate.receiver]) -
                           dvec3(bounce.radiance_before_visibility[candidate.receiver]);
-      const double wanted = largest(dvec3(candidate.contribution));
-      if (wanted < 1e-5 * largest(dvec3(bounce.radiance[candidate.receiver])))
+      const double wanted = largest_magnitude(dvec3(candidate.contribution));
+      if (wanted < 1e-5 * largest_magnitude(dvec3(bounce.radiance[candidate.receiver])))
         continue;  // lost in the sum either way
-      compare_segment(candidate, place_of(bounce.candidate_media, i), largest(added) > 0.5 * wanted, tally);
+      compare_segment(candidate, place_of(bounce.candidate_media, i), largest_magnitude(added) > 0.5 * wanted,
+                      tally);
     }
     for (const render::Probe& probe : bounce.probes)
       compare_segment(probe.segment, place_of(bounce.media_before, probe.segment.receiver), probe.is_open,
@@ -165,11 +163,11 @@ class StageChecker {
     }
     // A light at the segment's end must not cast a shadow on itself, unless the 16 roundings of its length by
     // which the segment is short are less than one of its coordinates.
-    const bool is_short = 16 * ray.t_max < largest(ray.origin);
+    const bool is_short = 16 * ray.t_max < largest_magnitude(ray.origin);
     bool can_agree = (is_open || is_short) && ends_at_a_surface(ray, place);
     for (int k = 0; k < JITTERS && !can_agree; ++k) {
       reference::Ray other = ray;
-      other.origin = moved(ray.origin, 4 * ULP * largest(ray.origin), k);
+      other.origin = moved(ray.origin, 4 * ULP * largest_magnitude(ray.origin), k);
       other.direction = normalize(moved(ray.direction, 4 * ULP, k + 7));
       other.t_max = ray.t_max * (1 + 16 * ULP * sign_of(k, 5));
       can_agree = is_open != is_occluded(other, place);
@@ -200,7 +198,7 @@ class StageChecker {
       extent = std::max(extent, length(dvec3(vertex) - surface.position));
     const double shape = extent * extent / (2 * surface.area);
     const double cosine = std::abs(dot(surface.geometric_normal, ray.direction));
-    return (largest(ray.origin) + hit.t + extent * shape) / std::max(cosine, 1e-6);
+    return (largest_magnitude(ray.origin) + hit.t + extent * shape) / std::max(cosine, 1e-6);
   }
 
   Difference difference_of(const reference::Ray& ray, const reference::Place& place, const Hit& hit,
@@ -218,7 +216,7 @@ class StageChecker {
     for (const uint32_t triangle : {hit.triangle, expected ? expected->triangle : INVALID_INDEX})
       if (triangle != INVALID_INDEX)
         for (const glm::vec3& vertex : placed_positions(subject_.prepared.scene, triangle))
-          size = std::max(size, largest(dvec3(vertex) - ray.origin));
+          size = std::max(size, largest_magnitude(dvec3(vertex) - ray.origin));
     for (int k = 0; k < JITTERS; ++k) {
       reference::Ray other = ray;
       other.origin = moved(ray.origin, 4 * ULP * size, k);
@@ -235,9 +233,9 @@ class StageChecker {
         dvec2(path.number % subject_.camera.width(), path.number / subject_.camera.width()) + 0.5;
     const reference::CameraRay ray =
         subject_.camera.ray(centre + subject_.reference_settings.filter.sample({u.x, u.y}), {u.z, u.w});
-    const double error =
-        std::max(largest(ray.direction - dvec3(path.direction)),
-                 largest(ray.origin - dvec3(path.origin)) / std::max(largest(ray.origin), 1e-30));
+    const double error = std::max(
+        largest_magnitude(ray.direction - dvec3(path.direction)),
+        largest_magnitude(ray.origin - dvec3(path.origin)) / std::max(largest_magnitude(ray.origin), 1e-30));
     if (!tally.add_error(error))
       tally.describe(fmt::format("pixel {}: direction {} against {}", path.number, text_of(path.direction),
                                  text_of(ray.direction)));
@@ -261,9 +259,10 @@ class StageChecker {
                            : point.kind == LIGHT_ENVIRONMENT ? environment_spread(point)
                                                              : 0;
     const double error =
-        std::max({largest(ray.direction - dvec3(path.direction)),
-                  largest(ray.origin - dvec3(path.origin)) / (largest(ray.origin) + world.radius()),
-                  largest(throughput - dvec3(path.throughput)) / largest(throughput)});
+        std::max({largest_magnitude(ray.direction - dvec3(path.direction)),
+                  largest_magnitude(ray.origin - dvec3(path.origin)) /
+                      (largest_magnitude(ray.origin) + world.radius()),
+                  largest_magnitude(throughput - dvec3(path.throughput)) / largest_magnitude(throughput)});
     if (!tally.add_error(error, excused))
       tally.describe(fmt::format("light path {}: direction {} against {}, throughput {} against {}",
                                  path.number, text_of(path.direction), text_of(ray.direction),
@@ -279,7 +278,7 @@ class StageChecker {
       reference::LightPoint other = point;
       other.direction = normalize(moved(point.direction, 2 * ULP, k));
       const dvec3 difference = emitted(subject_.world, other, -other.direction) - radiance;
-      spread = std::max(spread, largest(difference) / largest(radiance));
+      spread = std::max(spread, largest_magnitude(difference) / largest_magnitude(radiance));
     }
     return spread;
   }
@@ -325,10 +324,11 @@ class StageChecker {
 
   /// `before`: throughput of the path before the step.
   double error_between(const Step& a, const Step& b, double before) const {
-    return std::max(
-        {largest(a.direction - b.direction),
-         largest(a.throughput - b.throughput) / std::max(largest(a.throughput), LEAST_FACTOR * before),
-         largest(a.position - b.position) / (subject_.world.radius() + largest(a.position))});
+    return std::max({largest_magnitude(a.direction - b.direction),
+                     largest_magnitude(a.throughput - b.throughput) /
+                         std::max(largest_magnitude(a.throughput), LEAST_FACTOR * before),
+                     largest_magnitude(a.position - b.position) /
+                         (subject_.world.radius() + largest_magnitude(a.position))});
   }
 
   /// Where a light path starts.
@@ -359,7 +359,7 @@ class StageChecker {
       tally.add_error(0, 0, of_class());
       return;
     }
-    const double before = std::max(largest(dvec3(path.throughput)), 1e-30);
+    const double before = std::max(largest_magnitude(dvec3(path.throughput)), 1e-30);
     const Step found{dvec3(after.origin), dvec3(after.direction), dvec3(after.throughput), after.medium};
     const double error = is_alive && expected ? error_between(*expected, found, before) : HUGE_VAL;
     if (error <= STEP_BOUND) {

@@ -14,15 +14,15 @@ constexpr size_t MOST_DESCRIPTIONS = 3;
 constexpr double CLASS_SHARE = 10;
 constexpr double TIES_ALLOWED = 0.01;
 // Probability with which a class whose differences come by chance is found to have too many.
-constexpr double FALSE_ALARM_RATE = 1e-6;
+constexpr double RATE_OF_TOO_MANY = 1e-6;
 
-/// Most events that a Poisson process of this mean has, but for FALSE_ALARM_RATE.
+/// Most events that a Poisson process of this mean has, but for RATE_OF_TOO_MANY.
 uint64_t most_by_chance(double mean) {
   if (mean > 100) return static_cast<uint64_t>(mean + 6 * std::sqrt(mean));
   double term = std::exp(-mean);
   double beyond = 1 - term;
   uint64_t count = 0;
-  while (beyond > FALSE_ALARM_RATE) {
+  while (beyond > RATE_OF_TOO_MANY) {
     term *= mean / static_cast<double>(++count);
     beyond -= term;
   }

@@ -25,7 +25,7 @@ constexpr Sensitivity BLUE_YELLOW[2]{{34.1f, 0.04f}, {13.5f, 0.025f}};
 constexpr float WIDEST_B = 0.04f;
 
 /// D65 and the conversions of sRGB's primaries as the authors have them.
-constexpr vec3 WHITE{0.950428545f, 1.0f, 1.088900371f};
+constexpr vec3 REFERENCE_WHITE{0.950428545f, 1.0f, 1.088900371f};
 const glm::mat3 RGB_TO_XYZ =
     glm::transpose(glm::mat3{10135552.0f / 24577794.0f, 8788810.0f / 24577794.0f, 4435075.0f / 24577794.0f,
                              2613072.0f / 12288897.0f, 8788810.0f / 12288897.0f, 887015.0f / 12288897.0f,
@@ -34,13 +34,13 @@ const glm::mat3 XYZ_TO_RGB = glm::inverse(RGB_TO_XYZ);
 
 /// The opponent space YCxCz: linear in XYZ.
 vec3 to_ycxcz(const vec3& rgb) {
-  const vec3 xyz = RGB_TO_XYZ * rgb / WHITE;
+  const vec3 xyz = RGB_TO_XYZ * rgb / REFERENCE_WHITE;
   return {116 * xyz.y - 16, 500 * (xyz.x - xyz.y), 200 * (xyz.y - xyz.z)};
 }
 
 vec3 from_ycxcz(const vec3& ycxcz) {
   const float y = (ycxcz.x + 16) / 116;
-  return XYZ_TO_RGB * (vec3{y + ycxcz.y / 500, y, y - ycxcz.z / 200} * WHITE);
+  return XYZ_TO_RGB * (vec3{y + ycxcz.y / 500, y, y - ycxcz.z / 200} * REFERENCE_WHITE);
 }
 
 /// CIELAB with the Hunt effect: colour counts for more where it is bright.
@@ -49,7 +49,7 @@ vec3 to_hunt_lab(const vec3& rgb) {
     constexpr float DELTA = 6.0f / 29;
     return x > DELTA * DELTA * DELTA ? std::cbrt(x) : x / (3 * DELTA * DELTA) + 4.0f / 29;
   };
-  const vec3 xyz = RGB_TO_XYZ * rgb / WHITE;
+  const vec3 xyz = RGB_TO_XYZ * rgb / REFERENCE_WHITE;
   const float y = f(xyz.y), lightness = 116 * y - 16;
   return {lightness, 0.01f * lightness * 500 * (f(xyz.x) - y), 0.01f * lightness * 200 * (y - f(xyz.z))};
 }

@@ -18,10 +18,6 @@ namespace {
 
 using glm::dvec3;
 
-std::array<double, 3> array_of(const dvec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 gpu::Device& require_gpu(const Device& device) {
   if (!device.impl().device)
     throw Error(ErrorCode::BadUsage, "a check compares a device with the reference; open a Vulkan device");

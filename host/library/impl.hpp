@@ -1,6 +1,8 @@
 // What stands behind the public types.
 #pragma once
 
+#include <array>
+#include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +14,11 @@
 #include "session/render_job.hpp"
 
 namespace regulus {
+
+/// As the public types hold vectors.
+inline std::array<double, 3> array_of(const glm::dvec3& v) {
+  return {v.x, v.y, v.z};
+}
 
 struct Scene::Impl {
   std::shared_ptr<const scene::Scene> scene;

@@ -19,10 +19,6 @@ glm::dvec3 vector_of(const std::array<double, 3>& v) {
   return {v[0], v[1], v[2]};
 }
 
-std::array<double, 3> array_of(const glm::dvec3& v) {
-  return {v.x, v.y, v.z};
-}
-
 bool is_finite(const std::array<double, 3>& v) {
   return std::isfinite(v[0]) && std::isfinite(v[1]) && std::isfinite(v[2]);
 }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/components.hpp"
+
 namespace regulus::reference {
 
 using glm::dvec2;
@@ -25,10 +27,6 @@ double refraction_jacobian(const dvec3& wo, const dvec3& wi, const dvec3& h, dou
 /// The same from both sides: from the thin one it does not cancel near the critical angle.
 double fresnel_of_refraction(const dvec3& wo, const dvec3& wi, const dvec3& h, double eta) {
   return eta < 1 ? fresnel_dielectric(-dot(wi, h), 1 / eta) : fresnel_dielectric(dot(wo, h), eta);
-}
-
-double largest(const dvec3& color) {
-  return std::max({color.r, color.g, color.b});
 }
 
 /// The cosine on the thin side of an interface; 0 where a direction on the dense one is reflected totally.
@@ -161,7 +159,8 @@ double Bsdf::chosen_reflection(double cosine, double position) const {
 }
 
 double Bsdf::chosen_base(const dvec3& color, double position) const {
-  const double covered = (1 - largest(parameters_.film.mean_reflectance(dielectric_.f0, 1))) * (1 - position);
+  const double covered =
+      (1 - largest_component(parameters_.film.mean_reflectance(dielectric_.f0, 1))) * (1 - position);
   return luminance(
       color * glm::mix(1.0 - dielectric_.at_position(position), dvec3(covered), parameters_.film_strength));
 }
@@ -240,7 +239,8 @@ dvec3 Bsdf::mean_transmittance(bool is_back) const {
 dvec3 Bsdf::transmittance(double exact, double thin_cosine, double eta) const {
   dvec3 passed = 1.0 - dielectric_.remap(exact, eta);
   if (parameters_.film_strength > 0)
-    passed = glm::mix(passed, dvec3(1 - largest(parameters_.film.reflectance(dielectric_.f0, thin_cosine))),
+    passed = glm::mix(passed,
+                      dvec3(1 - largest_component(parameters_.film.reflectance(dielectric_.f0, thin_cosine))),
                       parameters_.film_strength);
   return (1 - parameters_.metallic) * parameters_.transmission * parameters_.base_color * passed;
 }

@@ -42,12 +42,12 @@ dvec3 r3_point(uint32_t i) {
 }
 
 /// Where x in [0, 1] lies between nodes.
-struct Place {
+struct TablePlace {
   uint32_t node;
   double rest;
 };
 
-Place place_of(double x) {
+TablePlace place_of(double x) {
   const double scaled = std::clamp(x, 0.0, 1.0) * (ENERGY_NODES - 1);
   const uint32_t node = std::min(static_cast<uint32_t>(scaled), ENERGY_NODES - 2);
   return {node, scaled - node};
@@ -55,7 +55,7 @@ Place place_of(double x) {
 
 /// Linear in both places, of what `node(column, row)` is at the four nodes around.
 template <typename Node>
-auto between(const Place& column, const Place& row, const Node& node) {
+auto between(const TablePlace& column, const TablePlace& row, const Node& node) {
   const auto along = [&](uint32_t r) {
     return glm::mix(node(column.node, r), node(column.node + 1, r), column.rest);
   };
@@ -177,7 +177,7 @@ double cover_cosine(double x, double ior, bool is_inside) {
 }
 
 /// Between which columns of a cover a direction with this cosine lies.
-Place cover_column(double cosine, double ior, bool is_inside) {
+TablePlace cover_column(double cosine, double ior, bool is_inside) {
   const double c = std::clamp(cosine, 0.0, 1.0);
   if (!is_inside) return place_of(std::sqrt(c));
   const double critical = critical_cosine(ior);
@@ -189,7 +189,7 @@ Place cover_column(double cosine, double ior, bool is_inside) {
 }
 
 /// Where a roughness lies between the rows of a cover.
-Place cover_row(double roughness, bool is_inside) {
+TablePlace cover_row(double roughness, bool is_inside) {
   const double begin = COVER_BEGIN_HUNDREDTHS / 100.0;
   const double x = is_inside ? std::sqrt(roughness) : (roughness - begin) / (1 - begin);
   const double scaled = std::clamp(x, 0.0, 1.0) * (COVER_ROWS - 1);
@@ -250,7 +250,7 @@ dvec2 EnergyTables::cover_row_mean(uint32_t index, bool is_inside, uint32_t row)
 }
 
 dvec2 EnergyTables::cover_mean(uint32_t index, double roughness, bool is_inside) const {
-  const Place place = cover_row(roughness, is_inside);
+  const TablePlace place = cover_row(roughness, is_inside);
   const auto of_row = [&](uint32_t row) {
     return remembered_pair(&cover_means_[2 * ((index * 2 + is_inside) * size_t{COVER_ROWS} + row)],
                            [&] { return cover_row_mean(index, is_inside, row); });
@@ -306,7 +306,7 @@ double EnergyTables::row_mean(uint32_t index, uint32_t quantity, uint32_t row) c
 }
 
 double EnergyTables::mean(uint32_t index, uint32_t quantity, double roughness) const {
-  const Place place = place_of(roughness);
+  const TablePlace place = place_of(roughness);
   const auto of_row = [&](uint32_t row) {
     return remembered(means_[(index * PLANES + quantity) * size_t{ENERGY_NODES} + row],
                       [&] { return row_mean(index, quantity, row); });

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/components.hpp"
+
 namespace regulus::reference {
 
 using glm::dvec3;
@@ -36,10 +38,6 @@ dvec3 sensitivity(double path, const dvec3& shift) {
                      -0.9692660 * x + 1.8760108 * y + 0.0415560 * z,
                      0.0556434 * x - 0.2040259 * y + 1.0572252 * z};
   return rgb / 1.0685e-7;
-}
-
-double largest(const dvec3& color) {
-  return std::max({color.r, color.g, color.b});
 }
 
 }  // namespace
@@ -88,7 +86,7 @@ double ThinFilm::passage(const dvec3& base_f0, double cosine, const glm::dvec2& 
   constexpr double SWING = 1.8, SWING_OF_ANY_SHIFTS = 5.3;  // greatest component of sensitivity()
   constexpr double ROUGH_BEGIN = 0.01, ROUGH_FULL = 0.04;
   const double roughest = std::max(alpha.x, alpha.y);
-  const double smooth = largest(reflectance(base_f0, cosine));
+  const double smooth = largest_component(reflectance(base_f0, cosine));
   if (roughest == 0) return 1 - smooth;
   if (is_inside) return 0;
   const std::array channels = {channel(base_f0.r, cosine), channel(base_f0.g, cosine),

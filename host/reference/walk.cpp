@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "base/components.hpp"
 #include "reference/rng.hpp"
 #include "reference/rounding.hpp"
 #include "reference/sampling.hpp"
@@ -16,10 +17,6 @@ using glm::dvec4;
 using namespace interface;
 
 namespace {
-
-double largest(const dvec3& color) {
-  return std::max({color.r, color.g, color.b});
-}
 
 /// Relative index n(other side) / n(side of w_back).
 double index_ahead(const WalkVertex& vertex) {
@@ -118,7 +115,7 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
     // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
     double size = 0;
     for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
-      size = std::max(size, largest(glm::abs(dvec3(vertex))));
+      size = std::max(size, largest_component(glm::abs(dvec3(vertex))));
     for (int axis = 0; axis < 3; ++axis)
       surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
   }
@@ -288,7 +285,7 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
     }
     return bounce < ROULETTE_FIRST_BOUNCE
                ? 1.0
-               : std::min(1.0, largest(state.throughput * weight) * state.eta_scale);
+               : std::min(1.0, largest_component(state.throughput * weight) * state.eta_scale);
   };
   return continue_walk(world, vertex, state, u, TransportMode::Radiance, regularization, survival);
 }
@@ -296,7 +293,7 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
 bool scatter_from_light(const World& world, WalkVertex& vertex, WalkState& state, uint32_t bounce,
                         const dvec4& u, const Regularization& regularization) {
   const auto survival = [&](const dvec3& weight, const BsdfSample&) {
-    return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest(weight));
+    return bounce < ROULETTE_FIRST_BOUNCE ? 1.0 : std::min(1.0, largest_component(weight));
   };
   return continue_walk(world, vertex, state, u, TransportMode::Importance, regularization, survival);
 }
@@ -363,7 +360,7 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
       sample_light_point(world, select_light(world.scene(), {u_point.x, u_point.y}), {u_point.z, u_point.w});
   subpath.ray = sample_emission(world, subpath.point, {u_point.z, u_point.w}, {u_direction.x, u_direction.y});
   subpath.end = light_end(world, subpath.point, subpath.ray.direction);
-  if (!(largest(subpath.end.emitted) > 0)) return subpath;
+  if (!(largest_component(subpath.end.emitted) > 0)) return subpath;
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
   const bool is_surface = subpath.point.is_triangle();

@@ -19,7 +19,7 @@ constexpr double PARALLEL_COSINE = 1 - 1e-7;
 // Triangles overlap if they do so by more than this share of their size: neighbours share an edge.
 constexpr double OVERLAP = 1e-4;
 // Pairs that are visited at most.
-constexpr uint64_t MAX_PAIRS = 5'000'000;
+constexpr uint64_t MAX_VISITED_PAIRS = 5'000'000;
 
 /// Planes with the same key may be one.
 struct Keyed {
@@ -69,13 +69,13 @@ class PlanePairs {
     std::sort(extents.begin(), extents.end(), [](const Extent& a, const Extent& b) { return a.low < b.low; });
     for (size_t i = 0; i < extents.size(); ++i)
       for (size_t j = i + 1; j < extents.size() && extents[j].low < extents[i].high; ++j) {
-        if (++visited_ > MAX_PAIRS) return false;
+        if (++visited_ > MAX_VISITED_PAIRS) return false;
         if (visit_(faces_[extents[i].face], faces_[extents[j].face])) return false;
       }
     return true;
   }
 
-  bool is_too_much() const { return visited_ > MAX_PAIRS; }
+  bool is_too_much() const { return visited_ > MAX_VISITED_PAIRS; }
 
  private:
   struct Extent {

@@ -163,7 +163,7 @@ void decode_primitive(Document& document, tinygltf::Primitive& primitive, const 
   document.files.release_to(document.files.held_bytes() - decoding);
 }
 
-const json::json_pointer EXTENSION("/extensions/KHR_draco_mesh_compression");
+const json::json_pointer DRACO("/extensions/KHR_draco_mesh_compression");
 
 }  // namespace
 
@@ -172,12 +172,12 @@ void decode_draco_primitives(Document& document, const json& reduced) {
   for (size_t m = 0; m < meshes.size(); ++m)
     for (size_t p = 0; p < meshes[m].primitives.size(); ++p) {
       const json& primitive = reduced["meshes"][m]["primitives"][p];
-      if (!primitive.contains(EXTENSION)) continue;
+      if (!primitive.contains(DRACO)) continue;
       const std::string element = fmt::format("{} primitive {} KHR_draco_mesh_compression",
                                               element_name("mesh", m, meshes[m].name), p);
       const uint64_t held = document.files.held_bytes();
       try {
-        decode_primitive(document, meshes[m].primitives[p], primitive[EXTENSION], element);
+        decode_primitive(document, meshes[m].primitives[p], primitive[DRACO], element);
       } catch (const Error& error) {
         document.files.release_to(held);
         document.leave_out(error);

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 
 #include "scene/light_power.hpp"
 
 namespace regulus::scene {
 namespace {
 
-constexpr double PI = glm::pi<double>();
+using std::numbers::pi;
 // Every cell that shines gets at least about this share of its row, and every row of the map: less would be
 // lost in the rounding of single-precision sums near 1 and of 24-bit random numbers.
 constexpr double LEAST_SHARE = 0x1p-20;
@@ -57,7 +57,7 @@ std::vector<double> row_means(const std::vector<glm::vec3>& texels, size_t width
 Environment uniform_environment(const glm::vec3& radiance) {
   Environment environment;
   environment.parameters.radiance = radiance;
-  environment.integral = 4 * PI * luminance(glm::dvec3(radiance));
+  environment.integral = 4 * pi * luminance(glm::dvec3(radiance));
   return environment;
 }
 
@@ -73,9 +73,9 @@ Environment map_environment(std::vector<glm::vec3> texels, uint32_t width, doubl
   std::vector<float> conditional;
   conditional.reserve(height * (width + 1));
   for (size_t y = 0; y < height; ++y) {
-    const double step = PI / static_cast<double>(height);
+    const double step = pi / static_cast<double>(height);
     const double cell_solid_angle =
-        2 * PI / width *
+        2 * pi / width *
         (std::cos(step * static_cast<double>(y)) - std::cos(step * static_cast<double>(y + 1)));
     const std::vector<double> means = row_means(texels, width, height, y);
     double sum = 0;

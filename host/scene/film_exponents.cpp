@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 
+#include "base/components.hpp"
 #include "interface/wavefront.h"
 #include "scene/light_power.hpp"
 
 namespace regulus::scene {
 namespace {
 
-constexpr double PI = glm::pi<double>();
+using std::numbers::pi;
 // Samples of the brightest that fit into a sum: 2^this. Of what is smaller than 2^-SPECK_BITS of the scene's
 // radius squared the fewer the smaller it is, since as few of a pixel's samples meet it; one at least.
 constexpr double HEADROOM_BITS = 24, SPECK_BITS = 47;
@@ -19,10 +20,6 @@ constexpr double LEAST_ORDINARY_BRIGHTNESS = 0x1p-20, LEAST_ORDINARY_LEVEL = 0x1
 // A kernel multiplies by 2^-exponent in single precision, with room for what is multiplied; of squares, whose
 // range is twice as large, by 2^(2 exponent of radiance - exponent of squares).
 constexpr int LEAST_EXPONENT = -100, GREATEST_EXPONENT = 74;
-
-double largest(const glm::dvec3& color) {
-  return std::max({color.r, color.g, color.b});
-}
 
 /// The exponent, between two bounds, for sums up to `largest_sum` of values up to `brightest`, most of them
 /// about `level`.
@@ -38,7 +35,7 @@ int exponent_for(double largest_sum, double brightest, double level, int least, 
 }  // namespace
 
 void FilmRange::add_visible(const glm::dvec3& radiance, double area) {
-  const double brightness = largest(radiance);
+  const double brightness = largest_component(radiance);
   const double speck_bits = std::max(-std::log2(area / (radius_ * radius_)) - SPECK_BITS, 0.0);
   const double samples = std::exp2(std::max(HEADROOM_BITS - speck_bits, 0.0));
   brightest_ = std::max(brightest_, brightness);
@@ -47,23 +44,23 @@ void FilmRange::add_visible(const glm::dvec3& radiance, double area) {
 }
 
 void FilmRange::add_punctual(const interface::Light& light) {
-  const double intensity = largest(glm::dvec3(light.intensity));
+  const double intensity = largest_component(glm::dvec3(light.intensity));
   if (light.kind == interface::LIGHT_DIRECTIONAL) {
-    level_ += intensity / PI;
+    level_ += intensity / pi;
     return;
   }
   const double distance = std::max(glm::length(glm::dvec3(light.position) - center_), radius_);
-  level_ += intensity / (PI * distance * distance);
+  level_ += intensity / (pi * distance * distance);
 }
 
 void FilmRange::add_power(double power) {
-  level_ += power / (4 * PI * PI * radius_ * radius_);
+  level_ += power / (4 * pi * pi * radius_ * radius_);
 }
 
 void FilmRange::add_environment(const Environment& environment) {
   add_visible(glm::dvec3(environment.parameters.radiance));
   for (const glm::vec3& texel : environment.texels) add_visible(glm::dvec3(texel));
-  level_ += environment.integral / (4 * PI);
+  level_ += environment.integral / (4 * pi);
 }
 
 FilmExponents FilmRange::exponents() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "scene/image_decoder.hpp"
+#include "scene/json_member.hpp"
 #include "scene/texture.hpp"
 
 namespace regulus::scene {
@@ -18,7 +19,7 @@ namespace {
 using glm::dvec3;
 using nlohmann::json;
 
-constexpr const char* EXTENSION = "EXT_lights_image_based";
+constexpr const char* IMAGE_BASED_LIGHTS = "EXT_lights_image_based";
 constexpr uint32_t LEAST_WIDTH = 256, LARGEST_WIDTH = 8192;  // of the latitude-longitude map
 
 /// Six square faces in the order +x, -x, +y, -y, +z, -z; rows from the top, each as one sees it from the
@@ -141,28 +142,22 @@ Environment read_light(Document& document, const json& light, const std::string&
   return map_environment(std::move(texels), width, options.rotation.value_or(0) / 360);
 }
 
-/// The member of an object; null if there is none.
-const json* member(const json* object, const char* name) {
-  if (object == nullptr || !object->is_object()) return nullptr;
-  const auto found = object->find(name);
-  return found != object->end() ? &*found : nullptr;
-}
-
 }  // namespace
 
 std::optional<Environment> read_image_based_light(Document& document, size_t scene_index,
                                                   const EnvironmentOptions& options) {
-  const json* use = member(member(&document.json["scenes"][scene_index], "extensions"), EXTENSION);
+  const json* use = member(member(&document.json["scenes"][scene_index], "extensions"), IMAGE_BASED_LIGHTS);
   if (use == nullptr) return std::nullopt;
   const json* index = member(use, "light");
-  const json* lights = member(member(member(&document.json, "extensions"), EXTENSION), "lights");
+  const json* lights = member(member(member(&document.json, "extensions"), IMAGE_BASED_LIGHTS), "lights");
   try {
     if (index == nullptr || !index->is_number_unsigned() || lights == nullptr || !lights->is_array() ||
         index->get<uint64_t>() >= lights->size() || !(*lights)[index->get<size_t>()].is_object())
       document.fail(fmt::format("scene {}: its light of {} is not there; export the file again", scene_index,
-                                EXTENSION));
+                                IMAGE_BASED_LIGHTS));
     const auto light = index->get<size_t>();
-    return read_light(document, (*lights)[light], fmt::format("{} light {}", EXTENSION, light), options);
+    return read_light(document, (*lights)[light], fmt::format("{} light {}", IMAGE_BASED_LIGHTS, light),
+                      options);
   } catch (const Error& error) {
     document.mend(error, "the scene without it");
     return std::nullopt;

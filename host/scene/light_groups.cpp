@@ -5,6 +5,7 @@
 #include <unordered_map>
 
 #include "scene/document.hpp"
+#include "scene/json_member.hpp"
 
 namespace regulus::scene {
 
@@ -14,13 +15,6 @@ constexpr const char* ENVIRONMENT = "environment";
 constexpr const char* UNKNOWN = "light";  // of a scene that was not read from a file
 
 using nlohmann::json;
-
-/// Null if there is no such member.
-const json* member(const json* object, const char* key) {
-  if (object == nullptr || !object->is_object()) return nullptr;
-  const auto found = object->find(key);
-  return found == object->end() ? nullptr : &*found;
-}
 
 /// extras.regulus.light_group of a node; empty where there is none.
 std::string group_in_extras(const json& document, size_t node) {

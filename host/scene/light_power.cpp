@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 #include <utility>
 
 #include "scene/texture.hpp"
@@ -10,7 +10,7 @@
 namespace regulus::scene {
 namespace {
 
-constexpr double PI = glm::pi<double>();
+using std::numbers::pi;
 constexpr int SAMPLES = 64;
 constexpr uint32_t BLOCK = 16;         // texels a side of a block of BlockMaxima
 constexpr uint64_t MAX_BLOCKS = 1024;  // looked at per triangle; beyond, the whole texture's maximum serves
@@ -47,7 +47,7 @@ std::pair<uint32_t, uint32_t> block_range(float low, float high, uint32_t size) 
 /// 2 pi ((1 - c_i) + (c_i - c_o) / 3).
 double spot_solid_angle(const interface::Light& light) {
   const double inner = light.inner_height;
-  return 2 * PI * (inner + (light.outer_height - inner) / 3);
+  return 2 * pi * (inner + (light.outer_height - inner) / 3);
 }
 
 }  // namespace
@@ -58,13 +58,13 @@ double luminance(const glm::dvec3& color) {
 
 double punctual_power(const interface::Light& light, double scene_radius) {
   const double intensity = luminance(glm::dvec3(light.intensity));
-  if (light.kind == interface::LIGHT_POINT) return 4 * PI * intensity;
+  if (light.kind == interface::LIGHT_POINT) return 4 * pi * intensity;
   if (light.kind == interface::LIGHT_SPOT) return spot_solid_angle(light) * intensity;
-  return PI * scene_radius * scene_radius * intensity;
+  return pi * scene_radius * scene_radius * intensity;
 }
 
 double environment_power(const Environment& environment, double scene_radius) {
-  return PI * scene_radius * scene_radius * environment.integral;
+  return pi * scene_radius * scene_radius * environment.integral;
 }
 
 double triangle_area(const Scene& scene, const interface::Triangle& triangle) {
@@ -122,7 +122,7 @@ double TrianglePower::operator()(const interface::Triangle& triangle, double are
       radiance = std::max(radiance, luminance(factor * average_texture(scene_, texture, triangle)));
   }
   const double sides = (material.flags & interface::MATERIAL_DOUBLE_SIDED) != 0 ? 2 : 1;
-  return PI * area * radiance * sides;
+  return pi * area * radiance * sides;
 }
 
 }  // namespace regulus::scene

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
 #include <limits>
+#include <numbers>
 #include <numeric>
 #include <span>
 
@@ -15,7 +15,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double PI = glm::pi<double>();
+using std::numbers::pi;
 constexpr int MAX_BUCKETS = 12;
 
 double angle_between(const dvec3& a, const dvec3& b) {
@@ -108,10 +108,10 @@ struct SplitSide {
     const double cos_o = std::clamp(2 * length(axis) / intensity - 1, -1.0, 1.0);
     const double theta_o = std::acos(cos_o);
     const double sin_o = std::sqrt(1 - cos_o * cos_o);
-    const double theta_w = std::min(theta_o + theta_e, PI);
+    const double theta_w = std::min(theta_o + theta_e, pi);
     const double omega =
-        2 * PI * (1 - cos_o) +
-        PI / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + cos_o);
+        2 * pi * (1 - cos_o) +
+        pi / 2 * (2 * theta_w * sin_o - std::cos(theta_o - 2 * theta_w) - 2 * theta_o * sin_o + cos_o);
     const dvec3 e = upper - lower;
     // Lights on one line have no surface, but are better split where they are far apart.
     return intensity * omega * (e.x * e.y + e.y * e.z + e.z * e.x + 1e-3 * dot(e, e));
@@ -334,7 +334,7 @@ Cone united(const Cone& a, const Cone& b) {
   const double between = angle_between(a.axis, b.axis);
   if (between + b.theta <= a.theta) return a;
   const double theta = 0.5 * (a.theta + between + b.theta);
-  if (theta >= PI) return {a.axis, PI};
+  if (theta >= pi) return {a.axis, pi};
   // Turned from a's axis towards b's.
   const dvec3 across = b.axis - dot(a.axis, b.axis) * a.axis;
   const dvec3 towards = length(across) > 1e-9 ? normalize(across) : any_orthogonal(a.axis);

@@ -55,7 +55,7 @@ glm::dmat4 local_transform(Document& document, size_t index) {
   return transform;
 }
 
-bool is_finite(const glm::dmat4& matrix) {
+bool is_finite_in_single(const glm::dmat4& matrix) {
   for (int column = 0; column < 4; ++column)
     for (int row = 0; row < 4; ++row)
       if (!std::isfinite(static_cast<float>(matrix[column][row]))) return false;
@@ -148,7 +148,7 @@ std::vector<PlacedNode> place_nodes(Document& document, std::optional<size_t> sc
     }
     is_placed[top.node] = true;
     const glm::dmat4 to_world = top.to_world * local_transform(document, top.node);
-    if (!is_finite(to_world))
+    if (!is_finite_in_single(to_world))
       document.fail(
           fmt::format("{}: its transform is not finite; correct it", node_name(document, top.node)));
     const tinygltf::Node& node = document.model.nodes[top.node];

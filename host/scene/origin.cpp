@@ -6,6 +6,7 @@
 #include <cmath>
 #include <memory>
 
+#include "base/components.hpp"
 #include "scene/placement.hpp"
 #include "scene/primitive.hpp"
 
@@ -20,10 +21,6 @@ constexpr double NOTABLE_LOSS = 1e-3;
 /// Distance of neighbouring floats at `value`.
 double float_spacing(double value) {
   return value > 0 ? std::ldexp(1.0, std::ilogb(value) - 23) : 0;
-}
-
-double largest(const dvec3& v) {
-  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
 /// The mesh that loses most, and how many lose notably.
@@ -60,11 +57,11 @@ void Box::add(const Box& box) {
 }
 
 double Box::extent() const {
-  return is_empty() ? 0 : largest(upper - lower);
+  return is_empty() ? 0 : largest_magnitude(upper - lower);
 }
 
 double Box::reach() const {
-  return is_empty() ? 0 : std::max(largest(lower), largest(upper));
+  return is_empty() ? 0 : std::max(largest_magnitude(lower), largest_magnitude(upper));
 }
 
 Box Box::placed(const glm::dmat4& transform) const {
@@ -115,7 +112,7 @@ Box PlacedBoxes::all() const {
 }
 
 dvec3 choose_origin(const Box& box) {
-  const double extent = box.extent(), distance = extent > 0 ? largest(box.center()) : 0;
+  const double extent = box.extent(), distance = extent > 0 ? largest_magnitude(box.center()) : 0;
   if (!(distance > FAR_IN_EXTENTS * extent) && !(box.reach() > double{MAX_COORDINATE})) return dvec3(0);
   const double unit = std::exp2(std::ceil(std::log2(extent)));
   return extent > 0 ? unit * round(box.center() / unit) : dvec3(0);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/components.hpp"
+
 namespace regulus::scene {
 namespace {
 
@@ -47,10 +49,6 @@ vec3 rounded_up(const dvec3& v) {
 
 double frobenius(const glm::dmat3& m) {
   return std::sqrt(dot(m[0], m[0]) + dot(m[1], m[1]) + dot(m[2], m[2]));
-}
-
-double largest(const dvec3& v) {
-  return std::max({v.x, v.y, v.z});
 }
 
 }  // namespace
@@ -174,10 +172,12 @@ std::optional<Instance> place_mesh(const SharedMesh& mesh, const MeshExtent& ext
   const dvec3 farthest = max(abs(dvec3(extent.lower)), abs(dvec3(extent.upper)));
   const dvec3 offset = abs(axes[0]) * farthest.x + abs(axes[1]) * farthest.y + abs(axes[2]) * farthest.z;
   const dvec3 translation = abs(dvec3(copy.translation)), reach = offset + translation;
-  const double error = ROUNDOFF * (largest(translation) + ROUNDINGS_OF_OFFSET * largest(offset));
+  const double error =
+      ROUNDOFF * (largest_component(translation) + ROUNDINGS_OF_OFFSET * largest_component(offset));
   // The least singular value is at least 1 / |inverse|; no height shrinks by more.
   const double height = extent.least_height / inverse_scale;
-  if (!(largest(reach) < double{MAX_COORDINATE} && height > MIN_HEIGHT && height > HEIGHT_OVER_ERROR * error))
+  if (!(largest_component(reach) < double{MAX_COORDINATE} && height > MIN_HEIGHT &&
+        height > HEIGHT_OVER_ERROR * error))
     return std::nullopt;
 
   const glm::dmat3 rows = transpose(inverse);

@@ -5,11 +5,11 @@ namespace {
 
 using nlohmann::json;
 
-constexpr const char* EXTENSION = "KHR_materials_pbrSpecularGlossiness";
+constexpr const char* SPECULAR_GLOSSINESS = "KHR_materials_pbrSpecularGlossiness";
 constexpr const char* TEXTURE = "specularGlossinessTexture";
 
 void convert(json& material) {
-  const json source = material["extensions"][EXTENSION];
+  const json source = material["extensions"][SPECULAR_GLOSSINESS];
   const bool has_texture = source.contains(TEXTURE);
   json base = {{"baseColorFactor", source.value("diffuseFactor", json::array({1, 1, 1, 1}))},
                {"metallicFactor", 0},
@@ -29,14 +29,14 @@ void convert_specular_glossiness(json& document) {
   if (materials == document.end()) return;
   for (json& material : *materials) {
     const auto extensions = material.find("extensions");
-    if (extensions != material.end() && extensions->contains(EXTENSION) &&
+    if (extensions != material.end() && extensions->contains(SPECULAR_GLOSSINESS) &&
         !extensions->contains("KHR_materials_unlit"))
       convert(material);
   }
 }
 
 std::optional<double> texture_glossiness(const tinygltf::Material& material) {
-  const auto found = material.extensions.find(EXTENSION);
+  const auto found = material.extensions.find(SPECULAR_GLOSSINESS);
   if (found == material.extensions.end() || !found->second.Has(TEXTURE)) return std::nullopt;
   return found->second.Has("glossinessFactor") ? found->second.Get("glossinessFactor").GetNumberAsDouble()
                                                : 1;

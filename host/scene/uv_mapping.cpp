@@ -10,7 +10,7 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr const char* EXTENSION = "KHR_texture_transform";
+constexpr const char* TEXTURE_TRANSFORM = "KHR_texture_transform";
 
 glm::dvec2 vec2_of(const Value& transform, const char* member, double otherwise) {
   if (!transform.Has(member)) return glm::dvec2(otherwise);
@@ -32,7 +32,7 @@ UvMapping mapping_of(int set, const Value* transform) {
 template <typename TextureInfo>
 TextureUse use_of(const TextureInfo& info) {
   if (info.index < 0) return {};
-  const auto transform = info.extensions.find(EXTENSION);
+  const auto transform = info.extensions.find(TEXTURE_TRANSFORM);
   return {info.index,
           mapping_of(info.texCoord, transform != info.extensions.end() ? &transform->second : nullptr)};
 }
@@ -92,8 +92,8 @@ TextureUse texture_use(const tinygltf::Material& material, const char* extension
   const Value& info = found->second.Get(member);
   if (!info.Has("index")) return {};
   const Value* transform = nullptr;
-  if (info.Has("extensions") && info.Get("extensions").Has(EXTENSION))
-    transform = &info.Get("extensions").Get(EXTENSION);
+  if (info.Has("extensions") && info.Get("extensions").Has(TEXTURE_TRANSFORM))
+    transform = &info.Get("extensions").Get(TEXTURE_TRANSFORM);
   return {info.Get("index").GetNumberAsInt(),
           mapping_of(info.Has("texCoord") ? info.Get("texCoord").GetNumberAsInt() : 0, transform)};
 }

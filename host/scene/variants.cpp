@@ -9,11 +9,11 @@ namespace {
 
 using tinygltf::Value;
 
-constexpr const char* EXTENSION = "KHR_materials_variants";
+constexpr const char* VARIANTS = "KHR_materials_variants";
 
 /// Member `name` of an extension as an array; null if it has none.
 const Value* array_of(const tinygltf::ExtensionMap& extensions, const char* name) {
-  const auto found = extensions.find(EXTENSION);
+  const auto found = extensions.find(VARIANTS);
   return found != extensions.end() && found->second.Has(name) ? &found->second.Get(name) : nullptr;
 }
 

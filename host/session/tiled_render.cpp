@@ -12,19 +12,18 @@ namespace regulus::session {
 
 namespace {
 
-using render::Window;
-
 // Values of a band's pixels, `per_pixel` of each: the band has all columns, so that its rows follow each
 // other.
 template <typename T>
-void place(const std::vector<T>& values, const Window& band, uint64_t per_pixel, const Window& whole,
-           std::vector<T>& all) {
+void place(const std::vector<T>& values, const render::Window& band, uint64_t per_pixel,
+           const render::Window& whole, std::vector<T>& all) {
   all.resize(whole.pixels() * per_pixel);
   std::copy(values.begin(), values.end(),
             all.begin() + static_cast<ptrdiff_t>(uint64_t{band.y - whole.y} * whole.width * per_pixel));
 }
 
-void place(const image::Channels& channels, const Window& band, const Window& whole, image::Channels& all) {
+void place(const image::Channels& channels, const render::Window& band, const render::Window& whole,
+           image::Channels& all) {
   for (const auto& [name, channel] : channels) {
     image::Channel& joined = all.try_emplace(name, channel).first->second;
     std::visit(
@@ -37,8 +36,9 @@ void place(const image::Channels& channels, const Window& band, const Window& wh
 
 }  // namespace
 
-std::vector<Window> film_bands(const gpu::Device& device, const render::Plan& plan, uint64_t pixels_at_most) {
-  const Window window = plan.window();
+std::vector<render::Window> film_bands(const gpu::Device& device, const render::Plan& plan,
+                                       uint64_t pixels_at_most) {
+  const render::Window window = plan.window();
   const render::PixelBytes bytes = render::bytes_per_pixel(plan);
   uint64_t pixels = device.info().max_allocation_bytes / bytes.largest;
   // A band leaves as much memory for paths as it takes.
@@ -46,21 +46,22 @@ std::vector<Window> film_bands(const gpu::Device& device, const render::Plan& pl
   if (window.pixels() * bytes.all > free) pixels = std::min(pixels, free / 2 / bytes.all);
   if (pixels_at_most != 0) pixels = std::min(pixels, pixels_at_most);
   const auto rows = static_cast<uint32_t>(std::clamp<uint64_t>(pixels / window.width, 1, window.height));
-  std::vector<Window> bands;
+  std::vector<render::Window> bands;
   for (uint32_t y = 0; y < window.height; y += rows)
     bands.push_back({window.x, window.y + y, window.width, std::min(rows, window.height - y)});
   return bands;
 }
 
 TiledRender render_in_bands(gpu::Device& device, const PreparedScene& prepared, const render::Plan& plan,
-                            const std::vector<Window>& bands, const render::ProgressCallback& progress) {
-  const Window whole = plan.window();
+                            const std::vector<render::Window>& bands,
+                            const render::ProgressCallback& progress) {
+  const render::Window whole = plan.window();
   const uint64_t total = whole.pixels() * plan.samples;
   TiledRender result;
   result.image.width = whole.width;
   result.image.height = whole.height;
   bool is_running = true;
-  for (const Window& band : bands) {
+  for (const render::Window& band : bands) {
     render::Renderer renderer(device, prepared, plan_for_window(plan, band));
     renderer.render(
         [&](uint64_t done, uint64_t) { return is_running = progress(result.paths + done, total); });

@@ -39,9 +39,6 @@ constexpr Model MODELS[] = {
 };
 constexpr size_t QUICK_MODELS = 5;  // with all three forms of the directional bound
 
-// Roundings that the inputs are moved by, one after the other.
-constexpr double ULPS = 2 * 0x1p-23;
-
 /// A pair in extended precision, whose inputs can be moved.
 struct ExactCase {
   ExactLobe lobe;
@@ -187,7 +184,7 @@ struct BsdfResults {
                 uint32_t quantities) {
     const ExactCase exact = exact_case(c, model);
     const std::array<Exact, 5> truth = scattering_of(exact);
-    const std::array<Exact, 5> moved = moved_by(exact, truth, ULPS, scattering_of);
+    const std::array<Exact, 5> moved = moved_by(exact, truth, ROUNDING_OF_INPUTS, scattering_of);
     const std::array<double, 5> expected = reference_scattering(c, model);
     const std::array<float, 5> measured = {found.value, found.pdf_forward, found.pdf_reverse, found.raised,
                                            found.raised_forward};
@@ -219,7 +216,8 @@ struct BsdfResults {
     const ExactCase exact = exact_case(c, model);
     const std::array<Exact, 1> truth = weight_of(exact);
     // Roundings of the facet are larger by the index in a refracted direction.
-    const double ulps = c.inputs.wi.z < 0 ? ULPS * std::max(1.0f, c.inputs.material.ior) : ULPS;
+    const double ulps =
+        c.inputs.wi.z < 0 ? ROUNDING_OF_INPUTS * std::max(1.0f, c.inputs.material.ior) : ROUNDING_OF_INPUTS;
     const std::array<Exact, 1> moved = moved_by(exact, truth, ulps, weight_of);
     const double expected = reference_weight(c, model);
     weight.add({c.parameter, found.weight, expected, truth[0], moved[0]},

@@ -154,8 +154,6 @@ PlaneHit plane_hit(const Numbers& n) {
   return {dot(b, q) * scale, u, v};
 }
 
-constexpr double ULPS = 2 * 0x1p-23;
-
 /// How far each moves when the numbers are rounded one after the other: positions as the largest of their
 /// coordinates is, because rays are sheared across axes.
 PlaneHit moved_hit(const Numbers& numbers, const PlaneHit& hit) {
@@ -166,7 +164,7 @@ PlaneHit moved_hit(const Numbers& numbers, const PlaneHit& hit) {
     PlaneHit most{0, 0, 0};
     for (const Exact sign : {-1.0L, 1.0L}) {
       Numbers moved = numbers;
-      moved[k] += sign * static_cast<Exact>(ULPS) * (k < 12 ? largest : std::abs(numbers[k]));
+      moved[k] += sign * static_cast<Exact>(ROUNDING_OF_INPUTS) * (k < 12 ? largest : std::abs(numbers[k]));
       const PlaneHit there = plane_hit(moved);
       most.distance = std::max(most.distance, std::abs(there.distance - hit.distance));
       most.u = std::max(most.u, std::abs(there.u - hit.u));

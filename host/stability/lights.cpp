@@ -21,7 +21,6 @@ namespace {
 
 constexpr double OWN = 30 * 0x1p-24;
 constexpr double OWN_REFERENCE = 30 * 0x1p-53;
-constexpr double ULPS = 2 * 0x1p-23;
 constexpr int SPOTS_OF_AN_ANGLE = 20;
 
 Exact height_of(Exact angle) {
@@ -82,7 +81,7 @@ Exact moved_irradiance(const StabilitySpot& spot, const glm::vec<3, Exact>& rece
     Exact most = 0;
     for (const Exact sign : {-1.0L, 1.0L}) {
       glm::vec<3, Exact> there = receiver;
-      there[axis] += sign * static_cast<Exact>(ULPS) * length(receiver);
+      there[axis] += sign * static_cast<Exact>(ROUNDING_OF_INPUTS) * length(receiver);
       most = std::max(most, std::abs(irradiance(spot, there) - truth));
     }
     sum += most;

@@ -13,6 +13,9 @@ namespace regulus::stability {
 /// Numbers that stand for the truth: more digits than either side has.
 using Exact = long double;
 
+/// Relative roundings that inputs are moved by, one after the other: two units in the last place.
+inline constexpr double ROUNDING_OF_INPUTS = 2 * 0x1p-23;
+
 /// What a sweep is about, and what it allows. Errors are relative to the truth, or to `floor` where that is
 /// larger.
 struct SweepText {

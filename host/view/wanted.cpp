@@ -66,14 +66,14 @@ Side parse_side(const json& object) {
 }
 
 Orbit parse_orbit(const json& object) {
-  constexpr double FAR = 1e9, STEEPEST = 1.57;
+  constexpr double FARTHEST = 1e9, STEEPEST = 1.57;
   Orbit orbit;
   orbit.yaw = number(object, "yaw", -1e6, 1e6);
   orbit.pitch = number(object, "pitch", -STEEPEST, STEEPEST);
-  orbit.distance = number(object, "distance", 1e-9, FAR);
+  orbit.distance = number(object, "distance", 1e-9, FARTHEST);
   const char* axes[] = {"x", "y", "z"};
   for (int axis = 0; axis < 3; ++axis)
-    orbit.target[axis] = number(member(object, "target"), axes[axis], -FAR, FAR);
+    orbit.target[axis] = number(member(object, "target"), axes[axis], -FARTHEST, FARTHEST);
   return orbit;
 }
 

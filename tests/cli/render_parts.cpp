@@ -464,8 +464,8 @@ class KilledRender : public RenderParts {
     });
   }
 
-  void wait_until(const std::function<bool()>& is_reached) const {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  static void wait_until(const std::function<bool()>& is_reached, std::chrono::seconds at_most) {
+    const auto limit = std::chrono::steady_clock::now() + at_most;
     while (!is_reached() && std::chrono::steady_clock::now() < limit) {
     }
   }
@@ -485,7 +485,12 @@ class KilledRender : public RenderParts {
     process.send(SIGSTOP);
     std::this_thread::sleep_for(std::chrono::milliseconds(600));
     process.send(SIGCONT);
-    wait_until([&] { return while_writing ? has_temporary() : written() != before; });
+    // A checkpoint is a temporary file for less than a millisecond, which can be missed each time; and every
+    // second of waiting makes samples that are rendered twice more below.
+    if (while_writing)
+      wait_until([&] { return has_temporary(); }, std::chrono::seconds(4));
+    else
+      wait_until([&] { return written() != before; }, std::chrono::seconds(60));
     if (!while_writing) std::this_thread::sleep_for(std::chrono::milliseconds(random_() % 300));
     process.send(SIGKILL);
     EXPECT_EQ(process.wait().signal, SIGKILL);

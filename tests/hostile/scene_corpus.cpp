@@ -6,16 +6,13 @@
 #include <ctime>
 
 #include "../unit/scene_files.hpp"
+#include "support/sanitizers.hpp"
 
 namespace regulus::scene::test {
 namespace {
 
 // Processor time a file may take (a busy machine does not count); sanitizers multiply it.
-#if defined(__SANITIZE_ADDRESS__)
-constexpr double MAX_SECONDS = 10;
-#else
-constexpr double MAX_SECONDS = 2;
-#endif
+constexpr double MAX_SECONDS = regulus::test::IS_SANITIZED ? 10 : 2;
 
 std::vector<std::filesystem::path> corpus() {
   std::vector<std::filesystem::path> files;

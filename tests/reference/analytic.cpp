@@ -7,6 +7,7 @@
 
 #include "images/support/comparison.hpp"
 #include "reference/support/reference_images.hpp"
+#include "support/sanitizers.hpp"
 
 namespace regulus::test {
 namespace {
@@ -150,6 +151,7 @@ double irradiance_of(const glm::dvec3& p, const Polygons& body) {
 }
 
 TEST(ReferenceAnalytic, SphereLightByEveryTechnique) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   constexpr uint32_t SIZE = 8;
   const Polygons light = sphere({0.2, 0.1, 1}, 0.35, 16);
   GltfScene scene = lit_plane();
@@ -175,6 +177,7 @@ TEST(ReferenceAnalytic, SphereLightByEveryTechnique) {
 
 // Merging alone is biased by its kernel, which vanishes for constant irradiance away from edges.
 TEST(ReferenceAnalytic, DirectionalLightByMerges) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   constexpr uint32_t SIZE = 8;
   const glm::dvec3 direction = glm::normalize(glm::dvec3(0.4, -0.3, -0.9));
   GltfScene scene = lit_plane();
@@ -231,6 +234,7 @@ std::array<double, 3> triple(const nlohmann::json& values) {
 }
 
 TEST(ReferenceAnalytic, FurnaceByEverySetOfTechniques) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   const std::filesystem::path file = own_scenes() / "furnace" / "furnace.gltf";
   const PreparedScene room = prepare(file);
   const nlohmann::json expected = expected_of(file);
@@ -263,6 +267,7 @@ TEST(ReferenceAnalytic, GlassCubeInAFurnaceCannotBeSeen) {
 // Two perfect mirrors x = -1.5 and x = 1.5 beside the plane: light by way of one of them is a straight line
 // from an image of the light. No camera walk and no light sample finds one; light walks do, and merges.
 TEST(ReferenceAnalytic, LightWalksFindTheChainsOfImageSources) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   constexpr uint32_t SIZE = 8;
   constexpr double HALF = 1.5;
   const glm::dvec3 light(0.3, -0.2, 1.5);

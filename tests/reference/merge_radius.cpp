@@ -8,6 +8,7 @@
 
 #include "images/support/comparison.hpp"
 #include "reference/support/reference_images.hpp"
+#include "support/sanitizers.hpp"
 
 namespace regulus::test {
 namespace {
@@ -153,10 +154,12 @@ TEST(MergeRadius, SealedHutsStayDark) {
 }
 
 TEST(MergeRadius, SuitsARoomUnderASkyDome) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   expect_merging_agrees("room-under-dome.gltf", 50, 96);
 }
 
 TEST(MergeRadius, SuitsAStillLifeOnAPlain) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   expect_merging_agrees("still-life-on-plain.gltf", 60, 96);
 }
 

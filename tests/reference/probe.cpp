@@ -6,6 +6,7 @@
 
 #include "reference/support/reference_images.hpp"
 #include "render/technique_choice.hpp"
+#include "support/sanitizers.hpp"
 
 namespace regulus::test {
 namespace {
@@ -70,6 +71,7 @@ void expect_variances(const GltfScene& gltf, uint32_t regularization,
 }
 
 TEST(Probe, KnowsTheVarianceOfEverySet) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   expect_variances(room(plastic({0.2, 0.6, 0.8}, 0.4)), REGULARIZATION_NONE,
                    {{"pt", PT},
                     {"bpt", BPT},
@@ -79,6 +81,7 @@ TEST(Probe, KnowsTheVarianceOfEverySet) {
 }
 
 TEST(Probe, KnowsTheVarianceOfRegularizedSets) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   expect_variances(room(metal({0.9, 0.8, 0.7}, 0.2)), REGULARIZATION_ROUGHNESS,
                    {{"bpt", BPT}, {"vcm", VCM}, {"hit,nee,splat", PT | TECHNIQUE_SPLAT}});
 }
@@ -174,6 +177,7 @@ TEST(TechniqueChoice, IsTheSameForEveryPartOfARender) {
 
 // Scenes for which docs/results/error.md says what pays.
 TEST(TechniqueChoice, SuitsScenesThatAreKnown) {
+  REGULUS_SKIP_UNDER_SANITIZERS();
   const auto chosen_for = [](const char* name) {
     const std::filesystem::path file = own_scenes() / name / (std::string(name) + ".gltf");
     return choose_techniques(prepare(file), open_settings());

@@ -9,6 +9,7 @@
 #include "reference/estimator.hpp"
 #include "reference/support/reference_images.hpp"
 #include "support/random.hpp"
+#include "support/sanitizers.hpp"
 
 namespace regulus::test {
 namespace {
@@ -77,13 +78,8 @@ std::vector<Case> cases() {
   return all;
 }
 
-// Under sanitizers everything takes ten times as long, and it is they that look: fewer samples, at the same
-// rate of false alarms.
-#ifdef __SANITIZE_ADDRESS__
-constexpr uint32_t SAMPLES_DIVISOR = 8;
-#else
-constexpr uint32_t SAMPLES_DIVISOR = 1;
-#endif
+// Under sanitizers fewer samples, at the same rate of false alarms.
+constexpr uint32_t SAMPLES_DIVISOR = IS_SANITIZED ? 8 : 1;
 
 Settings settings_of(uint32_t techniques, uint32_t samples) {
   Settings settings = reference_settings(8, 8, samples / SAMPLES_DIVISOR, 6);

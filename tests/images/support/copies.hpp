@@ -39,8 +39,14 @@ inline GltfScene copies_scene() {
   scene.add({quad({-1, 3, -1}, {2, 0, 0}, {0, 0, 2})}, emitter({6, 6, 5}));
 
   nlohmann::json relief = bumpy(scene, plastic({0.8, 0.7, 0.6}, 0.4));
-  relief["extensions"]["KHR_materials_anisotropy"] = {{"anisotropyStrength", 0.6},
-                                                      {"anisotropyRotation", 0.4}};
+  std::vector<uint8_t> grain;  // directions that turn from texel to texel, and strengths
+  for (uint32_t i = 0; i < 16; ++i)
+    for (const double value : {127.5 + 120 * std::cos(i), 127.5 + 120 * std::sin(i), 255.0 - 9.0 * i, 255.0})
+      grain.push_back(static_cast<uint8_t>(value));
+  relief["extensions"]["KHR_materials_anisotropy"] = {
+      {"anisotropyStrength", 0.6},
+      {"anisotropyRotation", 0.4},
+      {"anisotropyTexture", {{"index", scene.add_texture(4, grain, true)}}}};
   add_ball(scene, relief, placed({-1.2, 0.5, 0.2}, 30, {0, 1, 0}, {0.5, 0.5, 0.5}));
   scene.add_copy(placed({0, 0.6, 0.3}, 50, {1, 2, 0.5}, {0.3, 0.6, 0.4}));
   scene.add_copy(placed({1.2, 0.5, 0.1}, 70, {0.3, 1, 0}, {-0.4, 0.5, 0.6}));  // mirrored
