@@ -23,26 +23,26 @@ constexpr const char* OBJECTS = "CryptoObject";
 constexpr const char* MATERIALS = "CryptoMaterial";
 
 /// By index of what has ids.
-using Names = std::vector<std::string>;
+using Strings = std::vector<std::string>;
 
 std::string material_name(const scene::Scene& scene, size_t index) {
   const bool has_name = index < scene.material_names.size() && !scene.material_names[index].empty();
   return has_name ? scene.material_names[index] : fmt::format("material {}", index);
 }
 
-Names material_names(const scene::Scene& scene) {
-  Names names;
+Strings material_names(const scene::Scene& scene) {
+  Strings names;
   for (size_t i = 0; i < scene.materials.size(); ++i) names.push_back(material_name(scene, i));
   return names;
 }
 
-Names node_names(const scene::Scene& scene) {
-  Names names;
+Strings node_names(const scene::Scene& scene) {
+  Strings names;
   for (const scene::SceneNode& node : scene.nodes) names.push_back(node.name);
   return names;
 }
 
-std::vector<float> ids_of(const Names& names) {
+std::vector<float> ids_of(const Strings& names) {
   std::vector<float> ids;
   for (const std::string& name : names) ids.push_back(cryptomatte_id(name));
   return ids;
@@ -158,7 +158,7 @@ void add_cryptomatte_attributes(const scene::Scene& scene, uint32_t aovs, image:
     add_entries(OBJECTS, names, attributes);
   }
   if ((aovs & AOV_CRYPTO_MATERIAL) != 0) {
-    const Names names = material_names(scene);
+    const Strings names = material_names(scene);
     add_entries(MATERIALS, {names.begin(), names.end()}, attributes);
   }
 }

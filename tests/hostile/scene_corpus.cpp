@@ -5,8 +5,8 @@
 #include <cstdio>
 #include <ctime>
 
+#include "../support/sanitizers.hpp"
 #include "../unit/scene_files.hpp"
-#include "support/sanitizers.hpp"
 
 namespace regulus::scene::test {
 namespace {

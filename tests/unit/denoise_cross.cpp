@@ -21,7 +21,8 @@ Input even(float color, float variance) {
           .color = std::vector<float>(values, color),
           .albedo = std::vector<float>(values, 0.5F),
           .normal = std::vector<float>(values, 0.6F),
-          .variance = std::vector<float>(values, variance)};
+          .variance = std::vector<float>(values, variance),
+          .kept = {}};
 }
 
 bool is_left(size_t value) {

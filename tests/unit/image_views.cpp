@@ -1,5 +1,6 @@
 // Views, automatic exposure and OpenEXR with fewer bits.
 #include <OpenEXR/ImfChannelList.h>
+#include <OpenEXR/ImfHeader.h>
 #include <OpenEXR/ImfInputFile.h>
 #include <gtest/gtest.h>
 

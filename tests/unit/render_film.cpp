@@ -170,7 +170,9 @@ void expect_same_sums(const Film& a, const Film& b) {
 
 TEST(FilmFile, KeepsLayersInTheirOrder) {
   const Film film = layered(1);
-  image::ExrContents contents{.width = 2, .height = 1};
+  image::ExrContents contents;
+  contents.width = 2;
+  contents.height = 1;
   add_film(film, contents.channels, contents.attributes);
   const Film read = take_film("part.exr", contents);
   EXPECT_TRUE(contents.channels.empty());
