@@ -86,14 +86,15 @@ struct ColorTransform::Impl {
 ColorTransform::ColorTransform(const std::string& config_name, const std::string& display,
                                const std::string& view) {
   const ocio::ConstConfigRcPtr config = read_config(config_name);
-  std::vector<std::string> names;
-  for (int i = 0; i < config->getNumDisplays(); ++i) names.emplace_back(config->getDisplay(i));
-  const std::string own_display = choose(config_name, "display", display, config->getDefaultDisplay(), names);
-  names.clear();
-  for (int i = 0; i < config->getNumViews(own_display.c_str()); ++i)
-    names.emplace_back(config->getView(own_display.c_str(), i));
+  std::vector<std::string> displays(static_cast<size_t>(config->getNumDisplays()));
+  for (size_t i = 0; i < displays.size(); ++i) displays[i] = config->getDisplay(static_cast<int>(i));
+  const std::string own_display =
+      choose(config_name, "display", display, config->getDefaultDisplay(), displays);
+  std::vector<std::string> views(static_cast<size_t>(config->getNumViews(own_display.c_str())));
+  for (size_t i = 0; i < views.size(); ++i)
+    views[i] = config->getView(own_display.c_str(), static_cast<int>(i));
   const std::string own_view =
-      choose(config_name, "view", view, config->getDefaultView(own_display.c_str()), names);
+      choose(config_name, "view", view, config->getDefaultView(own_display.c_str()), views);
   name_ = own_display + " / " + own_view;
   try {
     const auto transform = ocio::DisplayViewTransform::Create();
