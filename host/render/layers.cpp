@@ -57,10 +57,10 @@ Layers choose_layers(const scene::Scene& scene, uint32_t aovs) {
     layers.of_kind[kind.kind] = static_cast<uint32_t>(layers.names.size());
     layers.names.emplace_back(kind.name);
   }
-  layers.group_of_light.assign(scene.lights.size(), 0);
-  if ((aovs & AOV_LIGHTS) == 0) return layers;
-  layers.group_of_light.clear();
-  add_groups(scene, layers);
+  if ((aovs & AOV_LIGHTS) != 0)
+    add_groups(scene, layers);
+  else
+    layers.group_of_light.assign(scene.lights.size(), 0);
   return layers;
 }
 
