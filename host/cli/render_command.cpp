@@ -245,9 +245,11 @@ void render_scene(CLI::App& command, RenderOptions& options) {
   set_up_log(options, session.progress);
   lift_sample_limit(command, options);
   if (options.is_denoised) prepare_to_denoise(command, options);
-  if (!options.ocio.empty())
+  if (!options.ocio.empty()) {
     options.color_transform =
         std::make_shared<image::ColorTransform>(options.ocio, options.ocio_display, options.ocio_view);
+    if (!options.color_transform->warning().empty()) spdlog::warn(options.color_transform->warning());
+  }
   options.has_strategy_images = !options.strategy_images.empty();
   std::vector<Frame> frames = parse_frames(options);
   std::vector<Picture> pictures = plan_pictures(options, frames, session.guard);

@@ -21,18 +21,59 @@ namespace {
 
 namespace ocio = OCIO_NAMESPACE;
 
-// What configs call linear light with the primaries of Rec. 709: those of the library's own (CG and studio
-// configs of ACES) first, then of ACES 1.x, of Blender and of others, then the role of scene-linear light.
-constexpr const char* LINEAR_REC709[] = {"lin_rec709_scene",
-                                         "Linear Rec.709 (sRGB)",
-                                         "lin_rec709",
-                                         "Utility - Linear - sRGB",
-                                         "Utility - Linear - Rec.709",
-                                         "Linear Rec.709",
-                                         "lin_srgb",
-                                         "Linear",
-                                         "linear",
-                                         "scene_linear"};
+// What configs call linear light with the primaries of Rec. 709, and nothing else: those of the library's own
+// (CG and studio configs of ACES) first, then of ACES 1.x, of Blender and of others.
+constexpr const char* LINEAR_REC709[] = {
+    "lin_rec709_scene",           "Linear Rec.709 (sRGB)", "lin_rec709", "Utility - Linear - sRGB",
+    "Utility - Linear - Rec.709", "Linear Rec.709",        "lin_srgb"};
+
+// What is linear with primaries that nothing tells; old configs of Blender and Nuke mean those of Rec. 709.
+const char* const SOME_LINEAR[] = {"Linear", "linear", ocio::ROLE_SCENE_LINEAR};
+
+using Matrix = std::array<double, 16>;
+
+// To ACES2065-1, white to white by Bradford's adaptation, as OpenColorIO's own configs have it.
+constexpr Matrix REC709_TO_ACES = {0.439632981919491,
+                                   0.382988698151554,
+                                   0.177378319928955,
+                                   0,
+                                   0.0897764429588424,
+                                   0.813439428748981,
+                                   0.0967841282921771,
+                                   0,
+                                   0.0175411703831727,
+                                   0.111546553302387,
+                                   0.87091227631444,
+                                   0,
+                                   0,
+                                   0,
+                                   0,
+                                   1};
+
+// To CIE XYZ with the white of D65 (0.3127, 0.3290), from the chromaticities of ITU-R BT.709-6, table 1.
+constexpr Matrix REC709_TO_XYZ = {0.412390799265959,
+                                  0.357584339383878,
+                                  0.180480788401834,
+                                  0,
+                                  0.21263900587151,
+                                  0.715168678767756,
+                                  0.0721923153607337,
+                                  0,
+                                  0.0193308187155918,
+                                  0.119194779794626,
+                                  0.950532152249661,
+                                  0,
+                                  0,
+                                  0,
+                                  0,
+                                  1};
+
+/// Where linear Rec. 709 enters a config.
+struct Entrance {
+  std::string space;
+  const Matrix* matrix;  ///< to that space; none: null
+  bool is_assumed;       ///< nothing tells the space's primaries
+};
 
 [[noreturn]] void fail(ErrorCode code, const std::string& config, const std::string& problem) {
   std::string line = problem;
@@ -66,11 +107,31 @@ std::string choose(const std::string& config, const char* what, const std::strin
   return asked;
 }
 
-std::string linear_space(const std::string& config_name, const ocio::Config& config) {
+// Spaces by their names first; then roles that say which primaries they have: OpenColorIO's for exchange
+// between configs, and the one that Blender's configs had before there was that.
+Entrance find_entrance(const std::string& config_name, const ocio::Config& config) {
   for (const char* name : LINEAR_REC709)
-    if (config.getColorSpace(name)) return name;
+    if (config.getColorSpace(name)) return {name, nullptr, false};
+  if (config.hasRole(ocio::ROLE_INTERCHANGE_SCENE))
+    return {ocio::ROLE_INTERCHANGE_SCENE, &REC709_TO_ACES, false};
+  if (config.hasRole("XYZ")) return {"XYZ", &REC709_TO_XYZ, false};
+  for (const char* name : SOME_LINEAR)
+    if (const auto space = config.getColorSpace(name)) return {space->getName(), nullptr, true};
   fail(ErrorCode::BadFile, config_name,
-       "has no color space for linear Rec. 709: neither lin_rec709 nor the role scene_linear; add one");
+       "has no color space for linear Rec. 709: neither lin_rec709 nor the roles aces_interchange and "
+       "scene_linear; add one");
+}
+
+ocio::ConstTransformRcPtr from_entrance(const Entrance& entrance,
+                                        const ocio::DisplayViewTransformRcPtr& view) {
+  view->setSrc(entrance.space.c_str());
+  if (entrance.matrix == nullptr) return view;
+  const auto matrix = ocio::MatrixTransform::Create();
+  matrix->setMatrix(entrance.matrix->data());
+  const auto both = ocio::GroupTransform::Create();
+  both->appendTransform(matrix);
+  both->appendTransform(view);
+  return both;
 }
 
 }  // namespace
@@ -98,10 +159,16 @@ ColorTransform::ColorTransform(const std::string& config_name, const std::string
   name_ = own_display + " / " + own_view;
   try {
     const auto transform = ocio::DisplayViewTransform::Create();
-    transform->setSrc(linear_space(config_name, *config).c_str());
+    const Entrance entrance = find_entrance(config_name, *config);
     transform->setDisplay(own_display.c_str());
     transform->setView(own_view.c_str());
-    impl_ = std::make_unique<Impl>(Impl{config->getProcessor(transform)->getDefaultCPUProcessor()});
+    const auto processor = config->getProcessor(from_entrance(entrance, transform));
+    impl_ = std::make_unique<Impl>(Impl{processor->getDefaultCPUProcessor()});
+    if (entrance.is_assumed)
+      warning_ = fmt::format(
+          "{}: {} is taken for linear Rec. 709, because neither a color space's name nor the role "
+          "aces_interchange tells where that is",
+          config_name, entrance.space);
   } catch (const ocio::Exception& error) {
     fail(ErrorCode::BadFile, config_name, fmt::format("{} cannot be made ({})", name_, error.what()));
   }

@@ -18,8 +18,7 @@ class ColorTransform {
   /// @param display empty: the config's default one
   /// @param view empty: the display's default one
   /// @throws regulus::Error (BadUsage, BadFile) that names the config, and lists what there is where a name
-  /// is
-  ///   unknown or no color space for linear Rec. 709 can be found
+  ///   is unknown or no color space for linear Rec. 709 can be found
   ColorTransform(const std::string& config, const std::string& display, const std::string& view);
   ~ColorTransform();
   ColorTransform(const ColorTransform&) = delete;
@@ -30,11 +29,14 @@ class ColorTransform {
 
   /// "display / view", as they were chosen.
   const std::string& name() const { return name_; }
+  /// What had to be assumed of the config, which may not be so; empty: nothing.
+  const std::string& warning() const { return warning_; }
 
  private:
   struct Impl;
   std::unique_ptr<const Impl> impl_;
   std::string name_;
+  std::string warning_;
 };
 
 }  // namespace regulus::image
