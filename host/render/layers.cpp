@@ -23,13 +23,17 @@ constexpr Kind KINDS[] = {{AOV_CAUSTICS, LIGHT_CAUSTICS, "caustics"},
                           {AOV_EMISSION, LIGHT_EMISSION, "emission"},
                           {AOV_INDIRECT, LIGHT_INDIRECT, "indirect"}};
 
-/// Nuke makes whatever is no letter and no digit an underscore, and a dot would begin the component. Names of
-/// channels have 255 bytes at most.
-std::string channel_of_group(std::string name) {
-  constexpr size_t MOST_BYTES = 200;
+/// Nuke makes whatever is no letter and no digit an underscore, and a dot would begin the component. Blender
+/// has room for 63 bytes of a channel's name (imbuf's openexr_api.cpp); no letter of UTF-8 is cut.
+std::string channel_of_group(const std::string& name) {
+  constexpr size_t MOST_BYTES = 63 - 2;  // without ".R"
+  std::string channel = "light_" + name;
   std::ranges::replace_if(
-      name, [](unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }, '_');
-  return "light_" + name.substr(0, MOST_BYTES);
+      channel, [](unsigned char c) { return c < 0x80 && std::isalnum(c) == 0; }, '_');
+  if (channel.size() <= MOST_BYTES) return channel;
+  size_t end = MOST_BYTES;
+  while ((static_cast<unsigned char>(channel[end]) & 0xC0) == 0x80) --end;
+  return channel.substr(0, end);
 }
 
 void add_groups(const scene::Scene& scene, Layers& layers) {
