@@ -134,7 +134,8 @@ Outcome Renderer::render(const Progress& progress) {
   gpu::Device* device = impl_->device.impl().device ? &*impl_->device.impl().device : nullptr;
   if (impl_->result.renderer) {
     const render::Renderer& before = *impl_->result.renderer;
-    impl_->job.earlier = session::Earlier{before.film(), before.statistics().rays};
+    impl_->job.earlier = session::Earlier{
+        before.film(), before.statistics().rays, {{plan.plan.first_sample, plan.plan.samples}}, {}, {}};
   }
   impl_->result = {};
   ProgressWatcher watcher(progress);

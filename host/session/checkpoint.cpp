@@ -14,6 +14,12 @@ namespace regulus::session {
 namespace {
 
 constexpr const char* RAYS = "regulus:rays";
+constexpr const char* SPLIT = "regulus:split";
+
+std::string attribute(const Part& part, const char* name) {
+  const auto found = part.contents.attributes.find(name);
+  return found == part.contents.attributes.end() ? std::string() : found->second;
+}
 
 // Who is to trace rays: who has traced those of the part, unless something else is asked for.
 uint32_t rays_of(const Part& part, const render::Plan& plan) {
@@ -25,11 +31,14 @@ uint32_t rays_of(const Part& part, const render::Plan& plan) {
 
 }  // namespace
 
+bool Checkpoint::is_due(uint64_t paths) const {
+  return !path_.empty() && paths != written_paths_ &&
+         std::chrono::duration<double>(Clock::now() - last_).count() >= seconds_;
+}
+
 void Checkpoint::update(const render::Film& film) {
+  if (!is_due(film.paths)) return;
   const auto now = Clock::now();
-  if (path_.empty() || film.paths == written_paths_ ||
-      std::chrono::duration<double>(now - last_).count() < seconds_)
-    return;
   try_to_write(film, "the render goes on and tries again");
   last_ = Clock::now();
   seconds_ = std::max(seconds_, 50 * std::chrono::duration<double>(last_ - now).count());
@@ -61,7 +70,9 @@ Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& s
   image::Attributes own = scene_attributes(scene, plan);
   own[RAYS] = name_of(render::names::RAYS, rays);
   require_same_render(path.string(), part.contents.attributes, "this render", own);
-  if (part.ranges.size() != 1 || part.ranges.front().first != plan.first_sample)
+  const bool is_of_one = !part.contents.attributes.contains(SPLIT);
+  if (part.ranges.front().first < plan.first_sample ||
+      (is_of_one && (part.ranges.size() != 1 || part.ranges.front().first != plan.first_sample)))
     throw Error(ErrorCode::BadFile,
                 fmt::format("{}: holds other samples than those from {} on; name another file", path.string(),
                             plan.first_sample));
@@ -72,7 +83,21 @@ Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& s
   if (part.film.paths > window.pixels() * plan.samples)
     throw Error(ErrorCode::BadUsage, fmt::format("{}: holds {} samples per pixel, more than the {} asked for",
                                                  path.string(), part.film.samples(0), plan.samples));
-  return {part.film, rays};
+  const uint64_t end = part.ranges.back().first + part.ranges.back().count;
+  if (!is_of_one && end > uint64_t{plan.first_sample} + plan.samples)
+    throw Error(ErrorCode::BadUsage, fmt::format("{}: holds samples up to {}, more than the {} asked for",
+                                                 path.string(), end - 1, plan.samples));
+  return {part.film, rays, part.ranges, attribute(part, "regulus:device"), attribute(part, SPLIT)};
+}
+
+void require_samples_in_order(const Earlier& earlier, const std::filesystem::path& path,
+                              const render::Plan& plan) {
+  if (earlier.ranges.size() == 1 && earlier.ranges.front().first == plan.first_sample) return;
+  throw Error(
+      ErrorCode::BadFile,
+      fmt::format("{}: holds samples of several devices, not one after the other; go on with the same "
+                  "--device ({})",
+                  path.string(), earlier.devices));
 }
 
 void resume(render::Renderer& renderer, const std::filesystem::path& path, const render::Film& film) {

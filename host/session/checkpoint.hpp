@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "render/renderer.hpp"
 #include "session/part.hpp"
@@ -24,7 +26,10 @@ class Checkpoint {
              std::function<void(const std::string&)> warn)
       : path_(std::move(path)), seconds_(seconds), write_(std::move(write)), warn_(std::move(warn)) {}
 
-  /// Writes `film` if it is another than the last one and the time has come.
+  /// Whether a film of so many paths would be written now: it is another than the last one, and the time has
+  /// come.
+  bool is_due(uint64_t paths) const;
+  /// Writes `film` if it is due.
   void update(const render::Film& film);
   /// Writes `film` at once.
   void finish(const render::Film& film);
@@ -45,14 +50,20 @@ class Checkpoint {
 /// What a render goes on from.
 struct Earlier {
   render::Film film;
-  uint32_t rays;  ///< RAYS_*: who traced them so far, and does from now on
+  uint32_t rays;                      ///< RAYS_*: who traced them so far, and does from now on
+  std::vector<SampleRange> ranges{};  ///< what the film holds, or was to: the last may not be complete
+  std::string devices{}, split{};     ///< who rendered it: regulus:device and, of several, regulus:split
 };
 
 /// The state in a checkpoint, to go on from by this plan. RAYS_AUTO become those of the checkpoint.
-/// @throws regulus::Error (BadFile) if it is of another render, (BadUsage) if it has more samples than are
-/// asked for
+/// @throws regulus::Error (BadFile) if it is of another render or of other samples, (BadUsage) if it has more
+/// samples than are asked for
 Earlier read_checkpoint(const std::filesystem::path& path, const scene::Scene& scene,
                         const render::Plan& plan);
+
+/// @throws regulus::Error (BadFile) unless the state is of one device, which renders sample after sample
+void require_samples_in_order(const Earlier& earlier, const std::filesystem::path& path,
+                              const render::Plan& plan);
 
 /// Gives the film of a checkpoint to a renderer. @throws regulus::Error (BadFile) if its sums are not the
 /// renderer's

@@ -168,7 +168,10 @@ Result render_whole_film(const PreparedScene& prepared, const render::Plan& plan
   require_film_memory(plan.asked, job.holds_sums || !job.checkpoint.empty(), false, job.memory_bytes);
   Result result;
   render::Plan own = plan;
-  if (job.earlier) own.rays = job.earlier->rays;
+  if (job.earlier) {
+    require_samples_in_order(*job.earlier, job.checkpoint, plan);
+    own.rays = job.earlier->rays;
+  }
   result.renderer = std::make_unique<render::Renderer>(device, prepared, own);
   render::Renderer& renderer = *result.renderer;
   LoadTimes times = job.times;
@@ -236,9 +239,10 @@ Result render(const PreparedScene& prepared, const render::Plan& plan, const Job
 std::string encode(const Result& result, const render::Plan& plan, const Job& job, image::Format format,
                    const image::Encoding& encoding, const std::filesystem::path& path) {
   if (job.holds_sums)
-    return encode_part(path, result.film ? *result.film : result.renderer->film(),
-                       {{plan.first_sample, plan.samples}}, result.attributes, result.channels,
-                       result.placement);
+    return encode_part(
+        path, result.film ? *result.film : result.renderer->film(),
+        result.film ? result.ranges : std::vector{SampleRange{plan.first_sample, plan.samples}},
+        result.attributes, result.channels, result.placement);
   return image::encode_picture(format, result.image, encoding, result.attributes, result.channels,
                                result.placement, path.string());
 }

@@ -73,6 +73,7 @@ struct Result {
   nlohmann::json statistics;
   std::unique_ptr<render::Renderer> renderer;  ///< of a whole film on one device; otherwise null
   std::optional<render::Film> film;            ///< of a whole film on several
+  std::vector<SampleRange> ranges;             ///< what that film holds
   uint64_t paths = 0;                          ///< camera paths, those of an earlier render too
   bool is_complete = false;                    ///< all samples, or the time or noise that was asked for
   double seconds = 0;                          ///< of rendering

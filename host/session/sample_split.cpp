@@ -31,6 +31,18 @@ bool read(std::string_view& text, char end, uint64_t& value) {
 
 }  // namespace
 
+std::vector<SampleRange> ranges_of(std::vector<Share> shares) {
+  std::ranges::sort(shares, starts_before);
+  std::vector<SampleRange> ranges;
+  for (const Share& share : shares) {
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == share.range.first)
+      ranges.back().count += share.range.count;
+    else
+      ranges.push_back(share.range);
+  }
+  return ranges;
+}
+
 std::string format_split(std::vector<Share> shares) {
   std::ranges::sort(shares, starts_before);
   std::vector<Share> joined;
@@ -86,8 +98,18 @@ void require_whole(const std::vector<Share>& shares, const SampleRange& all, siz
                                                  all.first + all.count));
 }
 
-SampleSplit::SampleSplit(const SampleRange& all, size_t devices)
-    : is_fixed_(false), left_(all), speeds_(devices, 0) {}
+SampleSplit::SampleSplit(const SampleRange& all, size_t devices, std::vector<Share> earlier)
+    : is_fixed_(false), speeds_(devices, 0), finished_(std::move(earlier)) {
+  uint64_t next = all.first;
+  const auto leave_until = [&](uint64_t end) {
+    if (end > next) left_.push_back({next, end - next});
+  };
+  for (const SampleRange& done : ranges_of(finished_)) {
+    leave_until(done.first);
+    next = done.first + done.count;
+  }
+  leave_until(all.first + all.count);
+}
 
 SampleSplit::SampleSplit(std::vector<Share> shares, size_t devices)
     : is_fixed_(true), fixed_(std::move(shares)), speeds_(devices, 0) {}
@@ -100,33 +122,49 @@ std::optional<SampleRange> SampleSplit::take_returned() {
 }
 
 // Those whose speed is not known yet count as the device itself.
-uint64_t SampleSplit::part_of(size_t device) const {
+uint64_t SampleSplit::part_of(size_t device, double seconds_left) const {
   const double own = speeds_[device];
   if (own <= 0) return 1;
   double all = 0;
   for (const double speed : speeds_) all += speed == 0 ? own : std::max(speed, 0.0);
-  const double part = std::min(0.5 * own / all * static_cast<double>(left_.count), own * MOST_SECONDS);
+  uint64_t left = 0;
+  for (const SampleRange& range : left_) left += range.count;
+  const double part =
+      std::min(0.5 * own / all * static_cast<double>(left), own * std::min(MOST_SECONDS, 0.5 * seconds_left));
   return std::max<uint64_t>(1, static_cast<uint64_t>(part));
 }
 
-std::optional<SampleRange> SampleSplit::take(size_t device) {
-  const std::lock_guard lock(mutex_);
-  if (is_fixed_) {
-    const auto own = std::ranges::find(fixed_, device, &Share::device);
-    if (own == fixed_.end()) return take_returned();
-    const SampleRange range = own->range;
-    fixed_.erase(own);
-    return range;
-  }
+std::optional<SampleRange> SampleSplit::take_given(size_t device) {
+  const auto own = std::ranges::find(fixed_, device, &Share::device);
+  if (own == fixed_.end()) return take_returned();
+  const SampleRange range = own->range;
+  fixed_.erase(own);
+  return range;
+}
+
+std::optional<SampleRange> SampleSplit::take_by_speed(size_t device, double seconds_left) {
+  const double sample_seconds = speeds_[device] > 0 ? 1 / speeds_[device] : 0;
+  const bool has_begun = under_way_ != 0 || !finished_.empty();
+  if (has_begun && seconds_left <= sample_seconds) return std::nullopt;
   if (auto range = take_returned()) return range;
-  if (left_.count == 0) return std::nullopt;
-  const SampleRange range{left_.first, std::min(part_of(device), left_.count)};
-  left_ = {left_.first + range.count, left_.count - range.count};
+  if (left_.empty()) return std::nullopt;
+  SampleRange& rest = left_.front();
+  const SampleRange range{rest.first, std::min(part_of(device, seconds_left), rest.count)};
+  rest = {rest.first + range.count, rest.count - range.count};
+  if (rest.count == 0) left_.erase(left_.begin());
+  return range;
+}
+
+std::optional<SampleRange> SampleSplit::take(size_t device, double seconds_left) {
+  const std::lock_guard lock(mutex_);
+  const auto range = is_fixed_ ? take_given(device) : take_by_speed(device, seconds_left);
+  if (range) ++under_way_;
   return range;
 }
 
 void SampleSplit::finish(size_t device, const SampleRange& range, double seconds) {
   const std::lock_guard lock(mutex_);
+  --under_way_;
   speeds_[device] = static_cast<double>(range.count) / std::max(seconds, 1e-9);
   finished_.push_back({device, range});
 }
@@ -134,7 +172,10 @@ void SampleSplit::finish(size_t device, const SampleRange& range, double seconds
 void SampleSplit::lose(size_t device, const std::optional<SampleRange>& range) {
   const std::lock_guard lock(mutex_);
   speeds_[device] = -1;
-  if (range) back_.push_back(*range);
+  if (range) {
+    back_.push_back(*range);
+    --under_way_;
+  }
   const auto is_own = [&](const Share& share) { return share.device == device; };
   for (const Share& share : fixed_)
     if (is_own(share)) back_.push_back(share.range);

@@ -4,19 +4,17 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
-#include <condition_variable>
-#include <map>
-#include <mutex>
 #include <new>
-#include <thread>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "render/aov.hpp"
 #include "render/film_file.hpp"
 #include "render/names.hpp"
 #include "render/rays_choice.hpp"
+#include "session/checkpoint.hpp"
+#include "session/device_crew.hpp"
 #include "session/film_memory.hpp"
 #include "session/record.hpp"
 #include "session/sample_split.hpp"
@@ -28,12 +26,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 void require_plain(const render::Plan& plan, const Job& job) {
-  if (job.time_limit || job.noise_target || !job.checkpoint.empty() || job.earlier ||
-      plan.has_strategy_images)
+  if (job.noise_target || plan.has_strategy_images)
     throw Error(
         ErrorCode::BadUsage,
-        "--device: a time limit, a noise target, checkpoints and strategy images need one device; give "
-        "several a number of samples");
+        "--device: a noise target and strategy images need one device; give several a number of samples "
+        "or a time limit");
 }
 
 // Who traces rays decides ties, so all devices do it alike.
@@ -45,137 +42,78 @@ uint32_t common_rays(const PreparedScene& prepared, const render::Plan& plan,
   return first;
 }
 
-/// A device and what it has done. One thread at a time uses it.
-struct Worker {
-  gpu::Device* device;
-  size_t place;
-  std::unique_ptr<render::Renderer> renderer{};
-  render::Film film{};  ///< of whole ranges
-  std::atomic<uint64_t> paths{0};
-  std::optional<Error> failure{};
-
-  Worker(gpu::Device* device_in, size_t place_in) : device(device_in), place(place_in) {}
-};
-
-/// The render of all devices.
-class Crew {
- public:
-  Crew(const PreparedScene& prepared, const render::Plan& plan, std::span<gpu::Device* const> devices,
-       SampleSplit& split, Watcher& watcher)
-      : prepared_(prepared), plan_(plan), split_(split), watcher_(watcher) {
-    for (gpu::Device* device : devices) workers_.push_back(std::make_unique<Worker>(device, workers_.size()));
-  }
-
-  /// Until all samples are done, all devices are lost or the watcher has cancelled.
-  void run() {
-    while (!is_cancelled_ && done_samples() < plan_.samples && has_workers()) {
-      std::vector<std::jthread> threads;
-      running_ = 0;
-      for (const auto& worker : workers_) {
-        if (worker->failure) continue;
-        ++running_;
-        threads.emplace_back([this, &worker = *worker] { work(worker); });
-      }
-      watch();
-    }
-  }
-
-  uint64_t done_samples() const {
-    uint64_t samples = 0;
-    for (const Share& share : split_.finished()) samples += share.range.count;
-    return samples;
-  }
-  const std::vector<std::unique_ptr<Worker>>& workers() const { return workers_; }
-
- private:
-  bool has_workers() const {
-    return std::ranges::any_of(workers_, [](const auto& worker) { return !worker->failure; });
-  }
-
-  void work(Worker& worker) {
-    std::optional<SampleRange> range;
-    try {
-      if (!worker.renderer)
-        worker.renderer = std::make_unique<render::Renderer>(*worker.device, prepared_, plan_);
-      while (!is_cancelled_ && (range = split_.take(worker.place))) render_range(worker, *range);
-    } catch (const Error& error) {
-      fail(worker, range, error);
-    } catch (const std::bad_alloc&) {
-      fail(worker, range, Error(ErrorCode::Failed, "out of memory"));
-    }
-    const std::lock_guard lock(mutex_);
-    --running_;
-    ended_.notify_all();
-  }
-
-  void render_range(Worker& worker, const SampleRange& range) {
-    const auto begin = Clock::now();
-    worker.renderer->continue_with(static_cast<uint32_t>(range.first), static_cast<uint32_t>(range.count));
-    worker.renderer->render(
-        [&](uint64_t done, uint64_t) {
-          worker.paths = done;
-          return !is_cancelled_;
-        },
-        [&] { return is_cancelled_.load(); });
-    if (is_cancelled_) return;  // half a range is none
-    worker.film = worker.renderer->film();
-    worker.paths = worker.film.paths;
-    split_.finish(worker.place, range, std::chrono::duration<double>(Clock::now() - begin).count());
-  }
-
-  void fail(Worker& worker, const std::optional<SampleRange>& range, const Error& error) {
-    worker.failure = error;
-    worker.paths = worker.film.paths;
-    split_.lose(worker.place, range);
-  }
-
-  // Tells the watcher how far all are, in its own thread, until the devices have nothing left to do.
-  void watch() {
-    constexpr auto INTERVAL = std::chrono::milliseconds(50);
-    const uint64_t total = plan_.window().pixels() * plan_.samples;
-    std::unique_lock lock(mutex_);
-    while (!ended_.wait_for(lock, INTERVAL, [this] { return running_ == 0; })) {
-      lock.unlock();
-      uint64_t paths = 0;
-      for (const auto& worker : workers_) paths += worker->paths;
-      watcher_.progress({std::min(paths, total), total});
-      if (watcher_.is_cancelled()) is_cancelled_ = true;
-      lock.lock();
-    }
-  }
-
-  const PreparedScene& prepared_;
-  const render::Plan& plan_;
-  SampleSplit& split_;
-  Watcher& watcher_;
-  std::vector<std::unique_ptr<Worker>> workers_;
-  std::atomic<bool> is_cancelled_ = false;
-  std::mutex mutex_;
-  std::condition_variable ended_;
-  size_t running_ = 0;
-};
-
-// Of all devices; without paths if there are no whole samples.
-render::Film sum_of(const Crew& crew) {
-  render::Film sum;
-  for (const auto& worker : crew.workers()) {
-    if (worker->film.paths == 0) continue;
-    if (sum.paths == 0)
-      sum = worker->film;
-    else
-      render::add(sum, worker->film);
-  }
-  return sum;
-}
-
 /// Values of all devices by name, in their order, each once.
-std::string joined(const Crew& crew, std::string gpu::DeviceInfo::*member) {
+std::string joined(std::span<gpu::Device* const> devices, std::string gpu::DeviceInfo::*member) {
   std::vector<std::string> names;
-  for (const auto& worker : crew.workers()) {
-    const std::string& name = worker->device->info().*member;
+  for (const gpu::Device* device : devices) {
+    const std::string& name = device->info().*member;
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
   return fmt::format("{}", fmt::join(names, "; "));
+}
+
+// Who did what a checkpoint holds: by its own record, or the one device of these that its name says.
+std::vector<Share> shares_of(const Earlier& earlier, const Job& job, const render::Plan& plan,
+                             std::span<gpu::Device* const> devices) {
+  const auto fail = [&](const std::string& problem) {
+    throw Error(ErrorCode::BadUsage, fmt::format("{}: {}", job.checkpoint.string(), problem));
+  };
+  const uint64_t pixels = plan.window().pixels(), samples = earlier.film.paths / pixels;
+  if (earlier.film.paths % pixels != 0)
+    fail(fmt::format("ends within a sample; go on with one device ({})", earlier.devices));
+  if (samples == 0) return {};
+  if (!earlier.split.empty()) {
+    if (earlier.devices != joined(devices, &gpu::DeviceInfo::name))
+      fail(fmt::format("was rendered by {}; go on with the same --device", earlier.devices));
+    return parse_split(earlier.split);
+  }
+  const auto own =
+      std::ranges::find(devices, earlier.devices, [](const auto* one) { return one->info().name; });
+  if (own == devices.end()) fail(fmt::format("was rendered by {}; name it among --device", earlier.devices));
+  return {{static_cast<size_t>(own - devices.begin()), {plan.first_sample, samples}}};
+}
+
+// As `split_text` says, or by speed what an earlier render has left.
+SampleSplit split_of(const render::Plan& plan, const Job& job, std::span<gpu::Device* const> devices,
+                     const std::string& split_text) {
+  const SampleRange all{plan.first_sample, plan.samples};
+  std::vector<Share> earlier;
+  if (job.earlier) earlier = shares_of(*job.earlier, job, plan, devices);
+  if (split_text.empty()) return {all, devices.size(), std::move(earlier)};
+  if (job.time_limit || !earlier.empty())
+    throw Error(ErrorCode::BadUsage,
+                "--split: repeats a render as a whole; leave out --time, and --resume from a state");
+  std::vector<Share> shares = parse_split(split_text);
+  require_whole(shares, all, devices.size());
+  return {std::move(shares), devices.size()};
+}
+
+image::Attributes attributes_of_all(const PreparedScene& prepared, const render::Plan& plan,
+                                    std::span<gpu::Device* const> devices, const std::vector<Share>& shares,
+                                    Clock::time_point start) {
+  uint64_t samples = 0;
+  for (const Share& share : shares) samples += share.range.count;
+  image::Attributes attributes = scene_attributes(prepared.scene, plan);
+  attributes["regulus:device"] = joined(devices, &gpu::DeviceInfo::name);
+  attributes["regulus:driver"] = joined(devices, &gpu::DeviceInfo::driver);
+  attributes["regulus:rays"] = name_of(render::names::RAYS, plan.rays);
+  attributes["regulus:split"] = format_split(shares);
+  attributes["regulus:samples_done"] = std::to_string(samples);
+  attributes["regulus:render_seconds"] =
+      fmt::format("{:.3f}", std::chrono::duration<double>(Clock::now() - start).count());
+  return attributes;
+}
+
+// `shares` are those of the state that the checkpoint writes.
+void keep_if_due(const Crew& crew, uint64_t paths, Checkpoint& checkpoint, std::vector<Share>& shares) {
+  if (paths == 0 || !checkpoint.is_due(paths)) return;
+  try {
+    Done done = crew.done();
+    shares = std::move(done.shares);
+    checkpoint.update(done.film);
+  } catch (const std::bad_alloc&) {
+    return;  // there was no room for a second film; it stays due
+  }
 }
 
 /// Surfaces are those that the first device meets which is left.
@@ -210,41 +148,45 @@ Result render_on_devices(const PreparedScene& prepared, const render::Plan& plan
                          std::span<gpu::Device* const> devices, const std::string& split_text,
                          Watcher& watcher) {
   require_plain(plan, job);
-  require_film_memory(plan.asked, job.holds_sums, false, job.memory_bytes);
-  const SampleRange all{plan.first_sample, plan.samples};
-  std::vector<Share> shares;
-  if (!split_text.empty()) {
-    shares = parse_split(split_text);
-    require_whole(shares, all, devices.size());
-  }
-  SampleSplit split = shares.empty() ? SampleSplit(all, devices.size()) : SampleSplit(shares, devices.size());
+  require_film_memory(plan.asked, job.holds_sums || !job.checkpoint.empty(), false, job.memory_bytes);
+  SampleSplit split = split_of(plan, job, devices, split_text);
   render::Plan own = plan;
-  own.rays = common_rays(prepared, plan, devices);
+  own.rays = job.earlier ? job.earlier->rays : common_rays(prepared, plan, devices);
   const auto start = Clock::now();
-  Crew crew(prepared, own, devices, split, watcher);
+  Crew crew(prepared, own, devices, split, watcher, job.time_limit,
+            job.earlier ? &job.earlier->film : nullptr);
+  const auto attributes_of = [&](const std::vector<Share>& shares) {
+    return attributes_of_all(prepared, own, devices, shares, start);
+  };
+  std::vector<Share> kept;
+  Checkpoint checkpoint(
+      job.checkpoint, job.checkpoint_seconds,
+      [&](const render::Film& film) {
+        write_file_atomically(job.checkpoint, encode_part(job.checkpoint, film, ranges_of(kept),
+                                                          attributes_of(kept), {}, placement_of(plan)));
+      },
+      [&](const std::string& text) { watcher.warn(text); });
   watcher.begin();
-  crew.run();
+  crew.run([&](uint64_t samples) { keep_if_due(crew, samples * plan.window().pixels(), checkpoint, kept); });
   watcher.end();
 
   Result result;
   tell_failures(crew, result);
-  result.film = sum_of(crew);
-  if (result.film->paths == 0)
+  Done done = crew.done();
+  if (done.film.paths == 0)
     throw result.failure ? *result.failure
                          : Error(ErrorCode::Interrupted, "interrupted before any samples were done");
+  kept = done.shares;
+  checkpoint.finish(done.film);
   const uint64_t samples = crew.done_samples();
-  if (samples == plan.samples) result.failure.reset();
+  result.is_complete = samples == plan.samples || crew.is_over();
+  if (result.is_complete) result.failure.reset();
+  result.film = std::move(done.film);
+  result.ranges = ranges_of(done.shares);
   result.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   result.paths = result.film->paths;
-  result.is_complete = samples == plan.samples;
   result.placement = placement_of(plan);
-  result.attributes = scene_attributes(prepared.scene, own);
-  result.attributes["regulus:device"] = joined(crew, &gpu::DeviceInfo::name);
-  result.attributes["regulus:driver"] = joined(crew, &gpu::DeviceInfo::driver);
-  result.attributes["regulus:rays"] = name_of(render::names::RAYS, own.rays);
-  result.attributes["regulus:split"] = format_split(split.finished());
-  result.attributes["regulus:samples_done"] = std::to_string(samples);
-  result.attributes["regulus:render_seconds"] = fmt::format("{:.3f}", result.seconds);
+  result.attributes = attributes_of(done.shares);
   result.statistics = nlohmann::json(result.attributes);
   result.summary = fmt::format("{}x{}, {} samples per pixel in {:.2f} s on {} devices", plan.window().width,
                                plan.window().height, samples, result.seconds, devices.size());

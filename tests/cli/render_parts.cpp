@@ -406,8 +406,26 @@ TEST_F(RenderParts, DevicesOfSeveralDriversShareARender) {
         std::pair("x", "expected")})
     expect_error(run(command("x.exr", with({"--device", "0,1", "--split", wrong})), both), 2,
                  {"--split", mention});
-  expect_error(run(command("x.exr", {"--device", "0,1", "--time", "5"}), both), 2,
-               {"--device", "time limit"});
+  expect_error(run(command("x.exr", {"--device", "0,1", "--noise", "0.1"}), both), 2,
+               {"--device", "noise target"});
+  expect_error(run(command("x.exr", {"--device", "0,1", "--time", "5", "--split", "0=0:4"}), both), 2,
+               {"--split", "--time"});
+
+  // For a while, then from the state that was left to more samples.
+  render_on_both("timed.exr", {"--device", "0,1", "--time", "0.5"});
+  EXPECT_GE(std::stoi(contents("timed.exr").attributes.at("regulus:samples_done")), 1);
+  const Arguments resumed = {"--device",        "0,1",     "--rays", "software", "--checkpoint",
+                             file("state.exr"), "--resume"};
+  for (const char* samples : {"4", "9"}) {
+    Arguments more = resumed;
+    more.insert(more.end(), {"-s", samples});
+    render_on_both("resumed.exr", more);
+  }
+  const image::Attributes all = contents("resumed.exr").attributes;
+  EXPECT_EQ(all.at("regulus:samples_done"), "9");
+  render_on_both("repeated.exr",
+                 {"--device", "0,1", "--rays", "software", "-s", "9", "--split", all.at("regulus:split")});
+  EXPECT_TRUE(contents("resumed.exr").channels == contents("repeated.exr").channels);
 }
 
 // The folder of the checkpoint goes away, or there never is room: the render warns, goes on, and is written.

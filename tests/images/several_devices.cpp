@@ -5,12 +5,14 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
 #include <string>
 
 #include "base/error.hpp"
 #include "gpu/faults.hpp"
 #include "images/support/gltf_scene.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/film_file.hpp"
 #include "session/sample_split.hpp"
 #include "support/device.hpp"
 
@@ -104,6 +106,140 @@ TEST_F(SeveralDevices, AllOfThemLostIsAnError) {
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::NoDevice);
   }
+}
+
+/// Cancels a render on two devices once one of them has begun its second range.
+class CancelsEarly : public session::Watcher {
+ public:
+  explicit CancelsEarly(uint64_t pixels) : pixels_(pixels) {}
+  void progress(const session::Progress& progress) override {
+    is_cancelled_ = progress.paths_done > 2 * pixels_ + progress.earlier_paths;
+  }
+  bool is_cancelled() override { return is_cancelled_; }
+
+ private:
+  uint64_t pixels_;
+  bool is_cancelled_ = false;
+};
+
+// Which samples are done when it is cancelled is left to the clock; from there to the end they are those of
+// one device. Twice, so that a state that has holes is gone on from as well.
+TEST_F(SeveralDevices, GoOnFromTheirCheckpoint) {
+  settings_.samples = 1500;
+  const TemporaryFolder folder;
+  const render::Plan plan = make_plan(prepared_, settings_);
+  const auto go_on = [&](session::Watcher& watcher) {
+    session::Job job;
+    job.checkpoint = folder / "state.exr";
+    if (std::filesystem::exists(job.checkpoint))
+      job.earlier = session::read_checkpoint(job.checkpoint, prepared_.scene, plan);
+    const std::array<gpu::Device*, 2> devices = {devices_[0].get(), devices_[1].get()};
+    return render_on_devices(prepared_, plan, job, devices, "", watcher);
+  };
+  for (int round = 0; round < 2; ++round) {
+    CancelsEarly watcher(plan.window().pixels());
+    const session::Result part = go_on(watcher);
+    EXPECT_FALSE(part.is_complete);
+    std::printf("cancelled at %s\n", part.attributes.at("regulus:split").c_str());
+  }
+  session::Watcher watcher;
+  const session::Result found = go_on(watcher);
+  expect_bits_of_one(found);
+  session::require_whole(session::parse_split(found.attributes.at("regulus:split")), {2, 1500}, 2);
+}
+
+TEST_F(SeveralDevices, GoOnFromAStateOfOneOfThem) {
+  const render::Plan plan = make_plan(prepared_, settings_);
+  render::RenderSettings first = settings_;
+  first.samples = 3;
+  session::Job job;
+  job.earlier =
+      session::Earlier{render(prepared_, first).film, plan.rays, {{2, 7}}, device()->info().name, ""};
+  const std::array<gpu::Device*, 2> devices = {devices_[0].get(), devices_[1].get()};
+  session::Watcher watcher;
+  const session::Result found = render_on_devices(prepared_, plan, job, devices, "", watcher);
+  expect_bits_of_one(found);
+  const session::Share first_share = session::parse_split(found.attributes.at("regulus:split")).front();
+  EXPECT_EQ(first_share.device, 0u);
+  EXPECT_EQ(first_share.range.first, 2u);
+  EXPECT_GE(first_share.range.count, 3u);
+  const auto expect_refusal = [&](const char* mention) {
+    try {
+      render_on_devices(prepared_, plan, job, devices, "", watcher);
+      FAIL() << mention;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::BadUsage);
+      EXPECT_NE(std::string(error.what()).find(mention), std::string::npos) << error.what();
+    }
+  };
+  job.earlier->devices = "another card";
+  expect_refusal("another card");
+  job.earlier->devices = device()->info().name;
+  --job.earlier->film.paths;
+  expect_refusal("within a sample");
+}
+
+// When the time is up there are whole samples of each pixel, and the sums are theirs. The one that has holes
+// is as whole as the one that has none.
+TEST_F(SeveralDevices, StopInTimeWithWholeSamples) {
+  settings_.samples = 1'000'000;
+  session::Job job;
+  job.time_limit = 1;
+  const std::array<gpu::Device*, 2> devices = {devices_[0].get(), devices_[1].get()};
+  session::Watcher watcher;
+  const session::Result found =
+      render_on_devices(prepared_, make_plan(prepared_, settings_), job, devices, "", watcher);
+  EXPECT_TRUE(found.is_complete);
+  std::printf("%s in %.2f s\n", found.attributes.at("regulus:split").c_str(), found.seconds);
+  render::Film expected;
+  for (const session::SampleRange& range : found.ranges) {
+    settings_.first_sample = static_cast<uint32_t>(range.first);
+    settings_.samples = static_cast<uint32_t>(range.count);
+    const render::Film film = render(prepared_, settings_).film;
+    if (expected.paths == 0)
+      expected = film;
+    else
+      render::add(expected, film);
+  }
+  EXPECT_EQ(found.film->paths, expected.paths);
+  EXPECT_EQ(found.film->words, expected.words);
+  EXPECT_EQ(found.film->splat_words, expected.splat_words);
+  EXPECT_GT(expected.paths, found.film->pixels());
+}
+
+// A device takes no range that would end when half of the time that is left has gone, and none if a sample
+// takes longer than that.
+TEST(SampleSplit, KeepsToTheTime) {
+  session::SampleSplit split({0, 1'000'000}, 2);
+  const double sample_seconds[] = {0.01, 1.5}, limit = 10;
+  double clock[] = {0, 0};
+  bool ended[] = {false, false};
+  while (!ended[0] || !ended[1]) {
+    const size_t next = ended[0] || (!ended[1] && clock[1] < clock[0]) ? 1 : 0;
+    const auto range = split.take(next, limit - clock[next]);
+    ended[next] = !range;
+    if (!range) continue;
+    const double seconds = static_cast<double>(range->count) * sample_seconds[next];
+    split.finish(next, *range, seconds);
+    clock[next] += seconds;
+  }
+  for (size_t device = 0; device < 2; ++device) {
+    EXPECT_LE(clock[device], limit);
+    EXPECT_GT(clock[device], limit - 2 * sample_seconds[device]);
+  }
+  // Late as it may be, there is a sample.
+  session::SampleSplit late({0, 4}, 1);
+  const auto one = late.take(0, -1);
+  ASSERT_TRUE(one);
+  EXPECT_FALSE(late.take(0, -1));
+  late.lose(0, one);
+  EXPECT_TRUE(late.take(0, -1));
+}
+
+TEST(SampleSplit, GivesOutWhatIsLeft) {
+  session::SampleSplit split({10, 20}, 1, {{0, {12, 3}}, {0, {20, 1}}, {0, {21, 9}}});
+  while (const auto range = split.take(0)) split.finish(0, *range, 1);
+  session::require_whole(split.finished(), {10, 20}, 1);
 }
 
 // By speed: the faster one gets more, nothing twice, nothing left out.
