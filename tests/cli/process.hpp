@@ -41,6 +41,8 @@ class Process {
   /// Whether it catches `signal` itself.
   bool catches(int signal) const;
   void send(int signal);
+  /// Processor time of all its threads so far, user and system, to a tick of the system (10 ms).
+  double processor_seconds() const;
   /// What it has written to stdout so far.
   std::string said() const;
   Finished wait();

@@ -25,9 +25,9 @@ using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
-// The aim is 2 s. Measured were 1.2 to 2.3 s on two cores that ten other processes shared: a bound that holds
-// while other tests run beside this one is larger.
-constexpr double FIRST_PICTURE_SECONDS = 10;
+// The aim is 2 s on a machine that does nothing else. While other tests run beside this one the clock tells
+// little; the processor time of the program, which is what it takes on an idle core, is held to the aim.
+constexpr double FIRST_PICTURE_SECONDS = 10, FIRST_PICTURE_PROCESSOR_SECONDS = 2;
 
 double seconds_since(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -181,9 +181,10 @@ TEST_F(View, TheFirstPictureIsSoonThereAndControlsMoveIt) {
   Viewing viewing(cornell, small);
   browser.open(viewing.address());
   ASSERT_TRUE(picture_of("a", 1));
-  const double first_picture = seconds_since(start);
-  std::printf("first picture after %.2f s\n", first_picture);
+  const double first_picture = seconds_since(start), processor = viewing.process().processor_seconds();
+  std::printf("first picture after %.2f s, of %.2f s of processor time\n", first_picture, processor);
   EXPECT_LT(first_picture, FIRST_PICTURE_SECONDS);
+  EXPECT_LT(processor, FIRST_PICTURE_PROCESSOR_SECONDS);
 
   // Does something that asks for another state, waits for four samples of it, and says by how much the
   // picture has changed.
