@@ -111,10 +111,18 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
       surface.coat_normal[axis] = rounding.moved(surface.coat_normal[axis], 2 * UNIT_ROUNDOFF);
     surface.coat_normal = normalize(surface.coat_normal);
   }
+  const std::array<glm::vec3, 3> vertices = placed_positions(world.scene(), surface.triangle);
+  // The terms of the cross product of two edges, twice the area, nearly cancel in needles.
+  const double terms =
+      length(dvec3(vertices[1]) - dvec3(vertices[0])) * length(dvec3(vertices[2]) - dvec3(vertices[0]));
+  for (int axis = 0; axis < 3; ++axis)
+    surface.geometric_normal[axis] =
+        rounding.moved(surface.geometric_normal[axis], 2 * UNIT_ROUNDOFF * terms / (2 * surface.area));
+  surface.geometric_normal = normalize(surface.geometric_normal);
   if (is_given) {  // otherwise the rounding of its ray has moved it
     // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
     double size = 0;
-    for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
+    for (const glm::vec3& vertex : vertices)
       size = std::max(size, largest_component(glm::abs(dvec3(vertex))));
     for (int axis = 0; axis < 3; ++axis)
       surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
@@ -148,10 +156,14 @@ struct Walk {
     // The way lies between the surfaces themselves, although rays start off them. Rays that start beyond a
     // facet's horizon leave no surface.
     constexpr double NO_WAY = 1e-15;  // m; densities divide by it
+    const double from_origin = at->distance;
     if (world.has_contacts() && start != nullptr && state.place.triangle != INVALID_INDEX)
       at->distance = std::max(length(at->surface.position - start->position), NO_WAY);
     if (rounding.is_on()) round_surface(world, at->surface, given != nullptr, rounding);
-    return arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
+    WalkVertex vertex = arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
+    // Media are measured between surfaces, but the weights of single precision take the ray's own length.
+    if (rounding.is_on()) vertex.edge.distance = from_origin;
+    return vertex;
   }
 };
 
