@@ -13,6 +13,7 @@
 #include "base/standard_streams.hpp"
 #include "cli/bench_error.hpp"
 #include "cli/bench_geometry.hpp"
+#include "cli/bench_growth.hpp"
 #include "cli/bench_rays.hpp"
 #include "cli/bench_skip.hpp"
 #include "cli/bench_stability.hpp"
@@ -231,6 +232,7 @@ void add_bench_command(CLI::App& app) {
   kernels->callback([options] { run_bench_kernels(*options); });
   add_bench_error_commands(*bench);
   add_bench_skip_command(*bench);
+  add_bench_growth_command(*bench);
   add_bench_stability_command(*bench);
 }
 

@@ -102,6 +102,28 @@ TEST_F(Bench, PageShowsACurveForEachConfiguration) {
   EXPECT_EQ(count(document, "alt=\"picture by "), 2u);
 }
 
+// Twice the samples take about twice the time: the exponent over 4, 16 and 64 of them lies between those of a
+// render that costs nothing beside its samples, and of one whose start costs as much as 16.
+TEST_F(Bench, GrowthWithSamplesIsLinear) {
+  const Finished finished = run({"bench", "growth", "--sweeps", "samples", "--repeats", "2", "--json",
+                                 file("growth.json"), "--html", file("growth.html")});
+  ASSERT_EQ(finished.status, 0) << finished.err;
+  std::ifstream stream(file("growth.json"));
+  const json sweep = json::parse(stream)["sweeps"][0];
+  EXPECT_EQ(sweep["name"], "samples");
+  ASSERT_EQ(sweep["points"].size(), 3u);
+  const double exponent = sweep["render"]["exponent"].get<double>();
+  std::printf("exponent of time over samples %.3f\n", exponent);
+  EXPECT_GT(exponent, std::log(80.0 / 20.0) / std::log(16.0));
+  EXPECT_LT(exponent, 1.25);
+  expect_error(run({"bench", "growth", "--sweeps", "sample"}), 2, {"sample", "did you mean samples?"});
+  if (run_shell("command -v chromium").empty()) GTEST_SKIP() << "no chromium on this machine";
+  const auto [document, console] = load_in_browser(file("growth.html"), folder_.path().string());
+  EXPECT_EQ(count(console, "CONSOLE"), 0u) << console;
+  EXPECT_EQ(count(document, "class=\"curve\""), 3u);
+  EXPECT_EQ(count(document, "class=\"exponent\""), 3u);
+}
+
 // The comparisons (a) to (g) of the talk; what they show is a matter of the scenes, which the floor stands
 // for here.
 TEST_F(Bench, TalkShowsEachComparison) {
