@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "gpu/faults.hpp"
 #include "images/support/gltf_scene.hpp"
@@ -140,6 +141,14 @@ TEST_F(SeveralDevices, GoOnFromTheirCheckpoint) {
     CancelsEarly watcher(plan.window().pixels());
     const session::Result part = go_on(watcher);
     EXPECT_FALSE(part.is_complete);
+    // As a part it says which samples it holds.
+    session::Job as_part;
+    as_part.holds_sums = true;
+    write_file_atomically(folder / "part.exr",
+                          encode(part, plan, as_part, image::Format::Exr, {}, folder / "part.exr"));
+    const session::Part read = session::read_part(folder / "part.exr");
+    EXPECT_EQ(read.ranges, session::ranges_of(session::parse_split(part.attributes.at("regulus:split"))));
+    EXPECT_TRUE(read.is_complete());
     std::printf("cancelled at %s\n", part.attributes.at("regulus:split").c_str());
   }
   session::Watcher watcher;
