@@ -168,9 +168,9 @@ double Bsdf::chosen_base(const dvec3& color, double position) const {
 double Bsdf::dielectric_gain(double camera_z) const {
   if (parameters_.energy == nullptr) return 1;
   const double cosine = std::abs(camera_z);
-  return 1 / (refracts()
-                  ? parameters_.energy->scattered(energy_index_, cosine, energy_roughness_, camera_z < 0)
-                  : parameters_.energy->reflected(cosine, energy_roughness_));
+  return 1 / (refracts() ? parameters_.energy->scattered(energy_index_, cosine, energy_roughness_,
+                                                         relative_index({0, 0, camera_z}) < 1)
+                         : parameters_.energy->reflected(cosine, energy_roughness_));
 }
 
 /// Kulla and Conty 2017: later bounces have the metal's mean colour, Schlick's reflectance averaged.
