@@ -190,6 +190,12 @@ const std::map<uint32_t, Addition>& additions() {
          s.material().iridescence_ior = 1.3F;
          s.material().iridescence_thickness = {100, 400};
        }},
+      {FEATURE_DISPERSION,
+       [](Speck& s) {
+         s.refracts();
+         s.material().absorption = glm::vec3(0);
+         s.material().dispersion = 1;
+       }},
       {FEATURE_SHEEN, [](Speck& s) { s.shiny(0.5F).sheen_color = glm::vec3(0.1F); }},
       {FEATURE_ANISOTROPY, [](Speck& s) {
          s.scene().vertex_tangents.resize(s.scene().vertices.size(), glm::vec4(1, 0, 0, 1));

@@ -296,6 +296,8 @@ class StageChecker {
     state.eta_scale = path.eta_scale;
     state.medium = path.medium;
     state.place = place;
+    if (subject_.world.has_dispersion())
+      state.wavelength = reference::wavelength_of(subject_.reference_settings.seed, path.sample_index);
     dvec2 barycentrics(hit.u, hit.v);
     // Texture coordinates are rounded twice more, interpolated and scaled to texels.
     if (is_moved) barycentrics += 4 * ULP * dvec2(sign_of(jitter, 3), sign_of(jitter, 4));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bvh/bvh.hpp"
+#include "interface/wavelengths.h"
 #include "scene/scene.hpp"
 
 namespace regulus {
@@ -14,7 +15,8 @@ struct PreparedScene {
   scene::Scene scene;  ///< triangles in the order of the tree's leaves, lights with their tree, solids
   bvh::Bvh bvh;
   scene::Features features;
-  std::vector<float> sheen_table;  ///< scene::make_sheen_table(), if some material has sheen
+  std::vector<float> sheen_table;                  ///< scene::make_sheen_table(), if some material has sheen
+  std::vector<interface::Wavelength> wavelengths;  ///< scene::make_wavelengths(), if some solid is dispersive
 };
 
 /// Finds the solids, builds the acceleration structure, renumbers the scene's triangles by it, builds the

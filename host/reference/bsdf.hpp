@@ -41,7 +41,8 @@ struct BsdfParameters {
   const SheenTable* sheen = nullptr;       ///< null: there is none
   double film_strength = 0;                ///< share that a thin film covers (KHR_materials_iridescence)
   ThinFilm film;
-  bool is_volume = false;  ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
+  bool is_dispersive = false;  ///< `ior` depends on the wavelength
+  bool is_volume = false;      ///< MATERIAL_VOLUME: transmission refracts; otherwise it is thin-walled
   uint32_t ndf = interface::NDF_GGX;
   uint32_t shadowing = interface::SHADOWING_SMITH;
   /// fresnel_dielectric_average(ior), for callers that know it: its quadrature takes longer than all the

@@ -1,5 +1,6 @@
 #include "reference/path.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "reference/sampling.hpp"
@@ -127,6 +128,8 @@ WideColor measured_function(const Path& path, size_t first, size_t last) {
     f *= WideColor(is_connected ? connected_at(path, i + 1).value : path.vertices[i + 1].value);
   }
   for (const Edge& edge : path.edges) f *= WideColor(edge.transmittance);
+  const auto is_dispersive = [](const VertexScattering& vertex) { return vertex.is_dispersive; };
+  if (std::ranges::any_of(path.vertices, is_dispersive)) f *= WideColor(path.response);
   return f * static_cast<Wide>(pdf_from_camera(path, end));
 }
 
@@ -175,6 +178,7 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& material
                                     const dvec3& w_camera, const Regularization& regularization,
                                     const VirtualTries& tries) {
   VertexScattering result;
+  result.is_dispersive = material.parameters().is_dispersive;
   result.diffuses = diffuses(material);
   result.is_always_raised = !regularization.has_diffusion;
   result.has_bundle = regularization.has_bundle;
@@ -212,6 +216,7 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& materi
 
   VertexScattering result;
   result.is_delta = true;
+  result.is_dispersive = material.parameters().is_dispersive;
   result.is_beyond = lit.is_beyond;
   result.diffuses = diffuses(bsdf);
   result.is_always_raised = !regularization.has_diffusion;

@@ -41,6 +41,7 @@ struct VertexScattering {
   bool has_bundle = false;        ///< by the bundle; lights without extent still need a vertex that diffuses
   double bound = 0;               ///< estimator_bound(), if wanted
   bool is_beyond = false;         ///< see is_beyond_horizon(): no light walk arrives here
+  bool is_dispersive = false;     ///< the bsdf depends on the wavelength
   /// What a connection sees if the vertex is regularized and that makes a difference. Its pdfs are finite
   /// even for a delta event, because all techniques that can find the path share the delta.
   std::optional<ConnectedScattering> raised;
@@ -72,6 +73,7 @@ struct Path {
   std::vector<Edge> edges;                 ///< edges[i] from x_i to x_{i+1}; K of them
   RayDensity camera;                       ///< of camera rays towards x_{K-1}, film density 1 / px^2
   double camera_bound = 0;                 ///< rho-bar of the camera, see camera_bound()
+  glm::dvec3 response{1};                  ///< of its wavelength: a factor if some vertex is dispersive
   double longest_edge = 0;                 ///< m: for sampler quality no edge counts as longer than this
 
   size_t length() const { return edges.size(); }

@@ -22,6 +22,7 @@ void set_light_part(Path& path, const LightSubpath& light, size_t edges) {
   for (size_t m = 1; m <= edges; ++m) path.edges[m - 1] = light.vertices[m - 1].edge;
   for (size_t m = 1; m < edges; ++m) path.vertices[m] = light.vertices[m - 1].scattering;
   if (edges > 0) path.light = light.end;
+  path.response = light.response;
 }
 
 /// The last `edges` edges and the vertices between them from a camera walk.
@@ -32,6 +33,7 @@ void set_camera_part(Path& path, const CameraSubpath& camera, size_t edges) {
   path.camera = camera.density;
   path.camera_bound = camera.bound;
   path.longest_edge = camera.longest_edge;
+  path.response = camera.response;
 }
 
 bool is_black(const dvec3& color) {

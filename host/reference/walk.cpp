@@ -264,7 +264,7 @@ VirtualTries virtual_tries(const Stream& stream, uint32_t end, size_t camera_edg
 
 WalkVertex arrive(const World& world, const Surface& surface, double distance, WalkState& state,
                   double cos_start, bool is_from_camera) {
-  WalkVertex vertex{surface, world.bsdf_at(surface, state.place.around), -state.direction};
+  WalkVertex vertex{surface, world.bsdf_at(surface, state.place.around, state.wavelength), -state.direction};
   const double cos_arrival = std::abs(dot(state.direction, surface.geometric_normal));
   vertex.edge.distance = distance;
   vertex.edge.cos_light_end = is_from_camera ? cos_arrival : cos_start;
@@ -325,6 +325,8 @@ CameraSubpath walk_from_camera(const World& world, const Camera& camera, const S
   subpath.density = camera.density(subpath.ray.direction);
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
+  if (world.has_dispersion()) state.wavelength = wavelength_of(settings.seed, sample);
+  subpath.response = state.wavelength.response;
   state.place.around = world.media_of_camera(settings.camera, subpath.ray.start());
   state.medium = world.medium_of(state.place.around);
   if (world.has_contacts()) state.cut = subpath.ray.nearest;
@@ -375,6 +377,8 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   if (!(largest_component(subpath.end.emitted) > 0)) return subpath;
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};
+  if (world.has_dispersion()) state.wavelength = wavelength_of(settings.seed, iteration);
+  subpath.response = state.wavelength.response;
   const bool is_surface = subpath.point.is_triangle();
   Ray ray = is_surface ? world.ray_from(subpath.point.surface, state.direction)
                        : Ray{state.position, state.direction};

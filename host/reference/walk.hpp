@@ -12,6 +12,7 @@
 #include "reference/footprint.hpp"
 #include "reference/lights.hpp"
 #include "reference/path.hpp"
+#include "reference/wavelength.hpp"
 #include "reference/world.hpp"
 
 namespace regulus::reference {
@@ -105,6 +106,7 @@ struct WalkState {
   Place place{};   ///< where the next ray starts; on arrival the solids there
   double cut = 0;  ///< m of the next edge that lie before the camera's near plane
   uint32_t cut_medium = interface::INVALID_INDEX;  ///< the medium there
+  Wavelength wavelength{};                         ///< of the walk's iteration
 };
 
 /// The vertex where a walk in `state` arrives after `distance` metres: takes the medium's share of the
@@ -152,6 +154,7 @@ struct CameraSubpath {
   Stream stream;
   double bound = 0;         ///< see Path::camera_bound
   double longest_edge = 0;  ///< see Path
+  glm::dvec3 response{1};   ///< likewise
 };
 
 /// A walk from a light: vertices[m - 1] is x_m.
@@ -162,6 +165,7 @@ struct LightSubpath {
   Regularization regularization;
   std::vector<WalkVertex> vertices;
   Stream stream;
+  glm::dvec3 response{1};  ///< see Path
 };
 
 /// A surface point where another walk (the device's) arrived.

@@ -8,6 +8,7 @@
 #include "scene/interfaces.hpp"
 #include "scene/placement.hpp"
 #include "scene/texture.hpp"
+#include "scene/wavelengths.hpp"
 
 namespace regulus::reference {
 
@@ -54,6 +55,7 @@ World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, ui
   if ((prepared.features.bits & FEATURE_SHEEN) != 0)
     sheen_ = std::make_unique<const SheenTable>(prepared.sheen_table);
   compensates_energy_ = compensates_energy;
+  has_dispersion_ = (prepared.features.bits & FEATURE_DISPERSION) != 0;
   has_rough_bases_ = (prepared.features.bits & FEATURE_ROUGH_BASE) != 0;
 }
 
@@ -195,7 +197,19 @@ glm::dvec4 World::texture_at(uint32_t index, const scene::TextureCoordinates& uv
   return scene::sample_texture(scene_, scene_.textures[index], uv);
 }
 
-Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
+void World::set_index(const Material& material, uint32_t in_front, const Wavelength& wavelength,
+                      double smooth_average, BsdfParameters& p) const {
+  const Material* other = in_front == INVALID_INDEX ? nullptr : &scene_.materials[in_front];
+  p.ior = index_at(material, wavelength) / (other == nullptr ? 1 : index_at(*other, wavelength));
+  p.is_dispersive = scene::is_dispersive(material) || (other != nullptr && scene::is_dispersive(*other));
+  if (!p.is_dispersive)
+    p.fresnel_average = other == nullptr ? smooth_average : relative_average_.at({material.ior, other->ior});
+  else  // for a diffuse base alone, which glass hardly ever has
+    p.fresnel_average =
+        (1 - p.transmission) * (1 - p.metallic) > 0 ? fresnel_dielectric_average(p.ior) : smooth_average;
+}
+
+Bsdf World::bsdf_at(const Surface& surface, const Media& around, const Wavelength& wavelength) const {
   const Material& material = scene_.materials[surface.material];
   const glm::dvec4 metallic_roughness = texture_at(material.metallic_roughness_texture, surface.uv);
   const double roughness = material.roughness * metallic_roughness.g;
@@ -226,7 +240,6 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
     p.film_strength = material.iridescence * texture_at(material.iridescence_texture, surface.uv).r;
     p.film = {material.iridescence_ior, range.x + share * (range.y - range.x)};
   }
-  p.ior = material.ior;
   p.transmission = material.transmission * texture_at(material.transmission_texture, surface.uv).r;
   p.specular = material.specular * texture_at(material.specular_texture, surface.uv).a;
   p.specular_color =
@@ -234,14 +247,9 @@ Bsdf World::bsdf_at(const Surface& surface, const Media& around) const {
   p.is_volume = (material.flags & MATERIAL_VOLUME) != 0;
   p.ndf = ndf_;
   p.shadowing = shadowing_;
-  p.fresnel_average = fresnel_average_[surface.material];
   const uint32_t solid = has_contacts() ? solid_of(surface.triangle) : INVALID_INDEX;
   const uint32_t in_front = solid == INVALID_INDEX ? INVALID_INDEX : medium_of(around.without(solid));
-  if (in_front != INVALID_INDEX) {
-    const float ior_in_front = scene_.materials[in_front].ior;
-    p.ior /= ior_in_front;
-    p.fresnel_average = relative_average_.at({material.ior, ior_in_front});
-  }
+  set_index(material, in_front, wavelength, fresnel_average_[surface.material], p);
   // Without a specular lobe there is no interface to compensate for.
   if (material.material_class != MATERIAL_CLASS_DIFFUSE) {
     if (compensates_energy_) p.energy = &energy_;

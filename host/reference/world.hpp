@@ -13,6 +13,7 @@
 #include "reference/bsdf.hpp"
 #include "reference/media.hpp"
 #include "reference/traversal.hpp"
+#include "reference/wavelength.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
@@ -80,7 +81,7 @@ class World {
 
   /// The material at a surface point, textures applied. Where the scene has contacts, `around` (the solids on
   /// one of its sides) says what is in front of it.
-  Bsdf bsdf_at(const Surface& surface, const Media& around = {}) const;
+  Bsdf bsdf_at(const Surface& surface, const Media& around = {}, const Wavelength& wavelength = {}) const;
 
   /// Radiance that the surface's material emits there, whatever the side.
   glm::dvec3 emission_at(const Surface& surface) const;
@@ -104,6 +105,9 @@ class World {
 
   /// Whether the scene has FEATURE_CONTACTS. Otherwise places do not matter.
   bool has_contacts() const { return scene_.solids.has_contacts; }
+
+  /// Whether some solid is dispersive. Otherwise wavelengths do not matter.
+  bool has_dispersion() const { return has_dispersion_; }
 
   /// Material of the medium where several solids are; INVALID_INDEX: none.
   uint32_t medium_of(const Media& around) const;
@@ -137,6 +141,9 @@ class World {
                bool is_beyond = false) const;
 
  private:
+  /// Sets the index of refraction of the interface, with `in_front` (a material or INVALID_INDEX) before it.
+  void set_index(const interface::Material& material, uint32_t in_front, const Wavelength& wavelength,
+                 double smooth_average, BsdfParameters& p) const;
   /// Fills the members that concern bulges. `sign_of_normals`: -1 if the vertex normals point to the back.
   void set_bulge(Surface& surface, const scene::PlacedTriangle& placed, const glm::dvec3& b,
                  double sign_of_normals) const;
@@ -162,7 +169,7 @@ class World {
   bool has_smooth_normals_;
   std::vector<double> fresnel_average_;                         // by material
   std::map<std::pair<float, float>, double> relative_average_;  // by index behind and in front, with contacts
-  bool compensates_energy_ = false, has_rough_bases_ = false;
+  bool compensates_energy_ = false, has_rough_bases_ = false, has_dispersion_ = false;
   std::unique_ptr<const SheenTable> sheen_;  // if some material has it
   EnergyTables energy_;
 };

@@ -92,6 +92,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       energy_tables_(energy_tables_of(device, prepared, plan)),
       sheen_table_(gpu::upload_new(device, prepared.sheen_table, "sheen table")),
+      wavelengths_(gpu::upload_new(device, prepared.wavelengths, "wavelengths")),
       solids_(gpu::upload_new(device, solids_of(scene).records, "solids")),
       media_sets_(gpu::upload_new(device, solids_of(scene).media_sets, "media sets")),
       light_media_(gpu::upload_new(device, solids_of(scene).of_light, "media of lights")),
@@ -138,6 +139,7 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);
   frame.sheen_table = address(sheen_table_);
+  frame.wavelengths = address(wavelengths_);
   frame.solids = address(solids_);
   frame.media_sets = address(media_sets_);
   frame.light_media = address(light_media_);

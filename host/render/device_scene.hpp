@@ -30,7 +30,7 @@ class DeviceScene {
       triangles_, instances_, instance_blocks_, materials_;
   std::vector<gpu::Buffer> images_;
   gpu::Buffer textures_, lights_, light_aliases_, light_pairs_, light_trails_, environment_texels_,
-      environment_cdf_, energy_tables_, sheen_table_, solids_, media_sets_, light_media_;
+      environment_cdf_, energy_tables_, sheen_table_, wavelengths_, solids_, media_sets_, light_media_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
   uint32_t light_count_, vertex_uv_sets_, stored_triangles_, instance_block_shift_;

@@ -35,6 +35,7 @@ constexpr std::array EDITABLES = std::to_array<Editable>({
     {"materials", "ior", "extensions/KHR_materials_ior/ior"},
     {"materials", "transmission", "extensions/KHR_materials_transmission/transmissionFactor"},
     {"materials", "thickness", "extensions/KHR_materials_volume/thicknessFactor"},
+    {"materials", "dispersion", "extensions/KHR_materials_dispersion/dispersion"},
     {"materials", "attenuationDistance", "extensions/KHR_materials_volume/attenuationDistance"},
     {"materials", "attenuationColor", "extensions/KHR_materials_volume/attenuationColor"},
     {"materials", "specular", "extensions/KHR_materials_specular/specularFactor"},

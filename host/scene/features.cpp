@@ -10,6 +10,7 @@
 #include "scene/interfaces.hpp"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
+#include "scene/wavelengths.hpp"
 
 namespace regulus::scene {
 namespace {
@@ -51,6 +52,12 @@ float least_roughness(const Scene& scene, float factor, uint32_t texture) {
   return texture == INVALID_INDEX ? factor : factor * roughness_range(scene, scene.textures[texture]).first;
 }
 
+/// Least index of refraction of what the material bounds, over all wavelengths.
+float least_ior(const interface::Material& material) {
+  return is_dispersive(material) ? static_cast<float>(dispersed_ior(material, sampled_bends().front()))
+                                 : material.ior;
+}
+
 void find_sharpest_lobes(const Scene& scene, const interface::Material& material, Features& features) {
   if (material.material_class == interface::MATERIAL_CLASS_DIFFUSE) return;
   const float roughness = least_roughness(scene, material.roughness, material.metallic_roughness_texture);
@@ -64,7 +71,8 @@ void find_sharpest_lobes(const Scene& scene, const interface::Material& material
   if (!refracts) return;
   // |n - 1| / max(n, 1) is the same from both sides. Where solids touch, the indices that meet may be as near
   // as one likes.
-  const float bend = scene.solids.has_contacts ? 0 : (material.ior - 1) / std::max(material.ior, 1.0f);
+  const float ior = least_ior(material);
+  const float bend = scene.solids.has_contacts ? 0 : (ior - 1) / std::max(ior, 1.0f);
   features.least_refraction_alpha = std::min(features.least_refraction_alpha, roughness * roughness * bend);
 }
 
@@ -86,6 +94,7 @@ uint32_t material_features(const Scene& scene, const interface::Material& materi
   if (has_rough_base(scene, material)) bits |= interface::FEATURE_ROUGH_BASE;
   if (material.sheen_color != glm::vec3(0)) bits |= interface::FEATURE_SHEEN;
   if (material.iridescence > 0) bits |= interface::FEATURE_IRIDESCENCE;
+  if (is_dispersive(material)) bits |= interface::FEATURE_DISPERSION;
   for (const uint32_t texture :
        {material.base_color_texture, material.metallic_roughness_texture, material.emissive_texture,
         material.transmission_texture, material.clearcoat_texture, material.clearcoat_roughness_texture,
@@ -187,6 +196,8 @@ std::span<const FeatureDescription> feature_descriptions() {
       FeatureDescription{FEATURE_CLEARCOAT, "clearcoat", "a second microfacet lobe"},
       FeatureDescription{FEATURE_SHEEN, "sheen", "the lobe of fibres on cloth"},
       FeatureDescription{FEATURE_IRIDESCENCE, "iridescence", "thin films and their colours"},
+      FeatureDescription{FEATURE_DISPERSION, "dispersion",
+                         "a wavelength for each sample, and indices of refraction at it"},
       FeatureDescription{FEATURE_COAT_NORMALS, "coat_normals", "clearcoats whose normal is not the base's"},
       FeatureDescription{FEATURE_ANISOTROPY, "anisotropy", "axes of roughness and the tangents they need"},
       FeatureDescription{FEATURE_ALPHA, "alpha",

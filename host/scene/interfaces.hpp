@@ -14,7 +14,8 @@ bool bounds_solids(const interface::Material& material);
 bool may_show_base_inside(const interface::Material& material);
 
 /// Indices of refraction of the materials' interfaces, ascending, each once: against air, and if solids may
-/// touch (`has_contacts`) of the denser against the other where solids meet.
+/// touch (`has_contacts`) of the denser against the other where solids meet. Of dispersive ones at some
+/// wavelengths.
 std::vector<float> interface_indices(const std::vector<interface::Material>& materials, bool has_contacts);
 
 }  // namespace regulus::scene

@@ -45,6 +45,14 @@ uint32_t classify(const interface::Material& material) {
              : interface::MATERIAL_CLASS_DIFFUSE;
 }
 
+/// Says what follows from the rest: which lobes the material has, and that only solids disperse.
+void finish_material(interface::Material& material) {
+  material.material_class = classify(material);
+  const bool refracts = material.material_class == interface::MATERIAL_CLASS_TRANSMISSIVE &&
+                        (material.flags & interface::MATERIAL_VOLUME) != 0 && material.ior > 1;
+  if (!refracts) material.dispersion = 0;
+}
+
 /// Converts one material; holds what all its steps need.
 class MaterialBuilder {
  public:
@@ -64,6 +72,7 @@ class MaterialBuilder {
     if (source_.doubleSided) material.flags |= interface::MATERIAL_DOUBLE_SIDED;
     set_dielectric(material);
     set_transmission(material);
+    set_dispersion(material);
     set_emission(material);
     set_coat_and_anisotropy(material);
     set_sheen(material);
@@ -146,6 +155,14 @@ class MaterialBuilder {
       material.absorption[i] =
           finite_float(document_, -std::log(transmitted) / distance, name_ + ": absorption");
     }
+  }
+
+  /// 20 over Abbe's number. It concerns solids alone (KHR_materials_dispersion builds upon
+  /// KHR_materials_volume).
+  void set_dispersion(interface::Material& material) {
+    constexpr double LARGEST = 1e6;
+    material.dispersion =
+        in_range(number(extension("KHR_materials_dispersion"), "dispersion", 0), 0, LARGEST, "dispersion");
   }
 
   void set_coat_and_anisotropy(interface::Material& material) {
@@ -417,7 +434,7 @@ void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
     const std::string name = element_name("material", i, sources[i].name);
     interface::Material material = MaterialBuilder(document, sources[i], name).build();
     if (is_used[i]) TextureSlots(document, loader, sources[i], material_uvs(sources[i])).attach(material);
-    material.material_class = classify(material);
+    finish_material(material);
     scene.materials.push_back(material);
     scene.material_names.push_back(sources[i].name);
     scene.material_priorities.push_back(priority(document, i, name));
@@ -426,7 +443,7 @@ void add_materials(Document& document, Scene& scene, LoadedTextures& loaded) {
     tinygltf::Material standard;
     standard.emissiveFactor = {0, 0, 0};
     interface::Material material = MaterialBuilder(document, standard, "default material").build();
-    material.material_class = classify(material);
+    finish_material(material);
     scene.materials.push_back(material);
     scene.material_names.emplace_back();
   }

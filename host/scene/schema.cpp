@@ -24,29 +24,19 @@ constexpr int MAX_NESTING = 128;
 constexpr double MAX_INT = std::numeric_limits<int32_t>::max();
 constexpr double MAX_SIZE = 9007199254740992.0;  // 2^53: exact in a JSON number
 
-constexpr std::array<std::string_view, 23> KNOWN_EXTENSIONS = {"EXT_lights_image_based",
-                                                               "EXT_mesh_gpu_instancing",
-                                                               "KHR_animation_pointer",
-                                                               "EXT_meshopt_compression",
-                                                               "EXT_texture_webp",
-                                                               "KHR_draco_mesh_compression",
-                                                               "KHR_lights_punctual",
-                                                               "KHR_materials_emissive_strength",
-                                                               "KHR_materials_anisotropy",
-                                                               "KHR_materials_clearcoat",
-                                                               "KHR_materials_ior",
-                                                               "KHR_materials_iridescence",
-                                                               "KHR_materials_sheen",
-                                                               "KHR_materials_specular",
-                                                               "KHR_materials_transmission",
-                                                               "KHR_materials_unlit",
-                                                               "KHR_materials_volume",
-                                                               "KHR_mesh_quantization",
-                                                               "KHR_texture_transform",
-                                                               "KHR_materials_variants",
-                                                               "KHR_materials_pbrSpecularGlossiness",
-                                                               "KHR_meshopt_compression",
-                                                               "KHR_node_visibility"};
+constexpr std::array<std::string_view, 24> KNOWN_EXTENSIONS = {
+    "EXT_lights_image_based",    "EXT_mesh_gpu_instancing",
+    "KHR_animation_pointer",     "EXT_meshopt_compression",
+    "EXT_texture_webp",          "KHR_draco_mesh_compression",
+    "KHR_lights_punctual",       "KHR_materials_emissive_strength",
+    "KHR_materials_anisotropy",  "KHR_materials_clearcoat",
+    "KHR_materials_dispersion",  "KHR_materials_ior",
+    "KHR_materials_iridescence", "KHR_materials_sheen",
+    "KHR_materials_specular",    "KHR_materials_transmission",
+    "KHR_materials_unlit",       "KHR_materials_volume",
+    "KHR_mesh_quantization",     "KHR_texture_transform",
+    "KHR_materials_variants",    "KHR_materials_pbrSpecularGlossiness",
+    "KHR_meshopt_compression",   "KHR_node_visibility"};
 
 enum class Kind {
   Index,          // non-negative integer below the length of the array `target`
@@ -118,6 +108,7 @@ const std::map<std::string_view, Rule>& rules() {
       {"clearcoatRoughnessFactor", {Kind::Number}},
       {"anisotropyStrength", {Kind::Number}},
       {"sheenRoughnessFactor", {Kind::Number}},
+      {"dispersion", {Kind::Number}},
       {"iridescenceFactor", {Kind::Number}},
       {"iridescenceIor", {Kind::Number}},
       {"iridescenceThicknessMinimum", {Kind::Number}},

@@ -388,15 +388,15 @@ bool is_clear(const interface::Material& m) {
 }
 
 /// Materials between whose solids light passes as if there was nothing: the same one, or clear ones of the
-/// same index and absorption.
+/// same index, dispersion and absorption.
 std::vector<uint32_t> substances(const Scene& scene) {
-  std::map<std::tuple<float, float, float, float>, uint32_t> clear;
+  std::map<std::tuple<float, float, float, float, float>, uint32_t> clear;
   std::vector<uint32_t> result;
   for (uint32_t i = 0; i < scene.materials.size(); ++i) {
     const interface::Material& m = scene.materials[i];
     result.push_back(i);
     if (!scene.vertex_colors.empty() || !is_clear(m)) continue;
-    const std::tuple key(m.ior, m.absorption.x, m.absorption.y, m.absorption.z);
+    const std::tuple key(m.ior, m.dispersion, m.absorption.x, m.absorption.y, m.absorption.z);
     result.back() = clear.try_emplace(key, i).first->second;
   }
   return result;

@@ -35,6 +35,7 @@ REGULUS_CONSTANT FEATURE_INSTANCES = 1u << 24;          // some mesh is stored o
 REGULUS_CONSTANT FEATURE_COAT_NORMALS = 1u << 25;       // some material has MATERIAL_COAT_NORMAL; implies CLEARCOAT
 REGULUS_CONSTANT FEATURE_BULGES = 1u << 27;             // some triangle's vertex normals spread: it stands for a curved surface
 REGULUS_CONSTANT FEATURE_ROUGH_BASE = 1u << 26;         // some diffuse base lies under a rough dielectric interface
+REGULUS_CONSTANT FEATURE_DISPERSION = 1u << 29;         // some solid's index of refraction depends on the wavelength
 REGULUS_CONSTANT FEATURE_CONTACTS = 1u << 28;           // solids nest, touch or hold a camera or a light; surfaces coincide
 
 REGULUS_INTERFACE_END

@@ -28,6 +28,7 @@ struct Frame {
   DeviceAddress environment_cdf;     // see Environment; only with a map
   DeviceAddress energy_tables;  // see lib/energy.glsl
   DeviceAddress sheen_table;    // float, see interface/sheen.h; only with FEATURE_SHEEN
+  DeviceAddress wavelengths;    // Wavelength; only with FEATURE_DISPERSION
   // Only with FEATURE_CONTACTS.
   DeviceAddress solids;               // Solid
   DeviceAddress media_sets;           // MediaSet; the first is empty: outside of all solids
@@ -71,7 +72,7 @@ struct Frame {
   uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
   uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 844);
+REGULUS_LAYOUT(Frame, 852);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -13,7 +13,7 @@ struct Path {
   float mis_a;       // accumulators of MIS (lib/mis.glsl), still without the distance of the ray
   vec3 direction;    // unit
   uint number;       // PATH_NUMBER: of the pixel on the whole film (y * width + x), or of the light path in its iteration;
-                     // above it PATH_DIFFUSED or PATH_PARALLEL
+                     // above it PATH_DIFFUSED or PATH_PARALLEL, and PATH_DISPERSED
   vec3 throughput;
   uint sample_index; // of the pixel; light path: the iteration, which is the same number
   float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
@@ -27,7 +27,9 @@ REGULUS_LAYOUT(Path, 64);
 REGULUS_CONSTANT PATH_DIFFUSED = 1u << 31;
 // Of a light path: its first ray is one of parallel ones, from an infinitely distant light.
 REGULUS_CONSTANT PATH_PARALLEL = 1u << 31;
-REGULUS_CONSTANT PATH_NUMBER = (1u << 31) - 1u;
+// Set once the path has scattered at an interface whose index depends on the wavelength (lib/dispersion.glsl).
+REGULUS_CONSTANT PATH_DISPERSED = 1u << 30;
+REGULUS_CONSTANT PATH_NUMBER = (1u << 30) - 1u;
 
 // A vertex of a subpath as connections and merges need it: where it is, where the walk came from, what it
 // carries on arrival (the bsdf here not included), and the accumulators of MIS (lib/mis.glsl).
@@ -40,7 +42,8 @@ struct CameraVertex {
   float mis_a;
   vec2 barycentrics;
   float mis_b;
-  uint edges;         // PATH_VERTEX_EDGES: path edges from the camera to here, or 0 if there is no vertex; PATH_VERTEX_DIFFUSED
+  uint edges;         // PATH_VERTEX_EDGES: path edges from the camera to here, or 0 if there is no vertex; PATH_VERTEX_DIFFUSED,
+                      // PATH_VERTEX_DISPERSED
 };
 REGULUS_LAYOUT(CameraVertex, 64);
 
@@ -54,11 +57,12 @@ struct LightVertex {
   vec2 barycentrics;
   float mis_b;
   uint edges;         // PATH_VERTEX_EDGES: path edges from the light to here; above them the MATERIAL_CLASS_* of the
-                      // surface, and the last bits of the light path's number
+                      // surface, the last bits of the light path's number, and PATH_VERTEX_DISPERSED
 };
 REGULUS_LAYOUT(LightVertex, 64);
 REGULUS_CONSTANT PATH_VERTEX_EDGES = 0xFFFFu;
 REGULUS_CONSTANT PATH_VERTEX_DIFFUSED = 1u << 30;  // camera vertex: PATH_DIFFUSED on arrival
+REGULUS_CONSTANT PATH_VERTEX_DISPERSED = 1u << 31;  // PATH_DISPERSED on arrival
 REGULUS_CONSTANT LIGHT_VERTEX_CLASS_SHIFT = 16u;
 REGULUS_CONSTANT LIGHT_VERTEX_CLASS_MASK = 3u;
 REGULUS_CONSTANT LIGHT_VERTEX_STREAM_SHIFT = 18u;

@@ -100,7 +100,7 @@ struct Material {
   vec3 base_color;         // linear factor
   float metallic;          // [0, 1]
   float roughness;         // perceptual, [0, 1]; alpha = roughness^2
-  float ior;               // >= 1 (KHR_materials_ior; 0 of the extension means infinite and is stored as 1e6)
+  float ior;               // n_d, of the d line, 587.56 nm; >= 1 (KHR_materials_ior; 0 of the extension means infinite and is stored as 1e6)
   float transmission;      // [0, 1]
   float specular;          // KHR_materials_specular factor, [0, 1]
   vec3 specular_color;     // KHR_materials_specular colour factor, >= 0
@@ -137,8 +137,9 @@ struct Material {
   vec2 iridescence_thickness;       // nm, where the texture is 0 and where it is 1
   uint iridescence_texture;         // R
   uint iridescence_thickness_texture;  // G
+  float dispersion;                 // 20 / Abbe number (KHR_materials_dispersion); 0 unless light refracts into solids
 };
-REGULUS_LAYOUT(Material, 208);
+REGULUS_LAYOUT(Material, 212);
 
 // Wrap modes (glTF sampler), filters and coordinates, in Texture.flags: bits 0-1 wrap s, 2-3 wrap t, 4 nearest filter.
 REGULUS_CONSTANT TEXTURE_WRAP_REPEAT = 0u;

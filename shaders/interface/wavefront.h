@@ -13,5 +13,6 @@
 #include "specialization.h"
 #include "state.h"
 #include "types.h"
+#include "wavelengths.h"
 
 #endif

@@ -44,6 +44,7 @@ REGULUS_BUFFER(LightHeadBuffer, LightPathHead);
 REGULUS_BUFFER(ConnectionPairBuffer, ConnectionPair);
 REGULUS_BUFFER(GridEntryBuffer, GridEntry);
 REGULUS_BUFFER(AovPixelBuffer, AovPixel);
+REGULUS_BUFFER(WavelengthBuffer, Wavelength);
 
 // Record `index` of the array of `type` (one of the buffer types above) at `address`.
 #define LOAD(type, address, index) (type(address).items[index])

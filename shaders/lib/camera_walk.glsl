@@ -56,7 +56,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   // show them there, as glints of all their light in a pixel.
   if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
   Weighted measured = light_connection(frame, point, path, vertex, history, regularization, counts, light, wi);
-  vec3 factor = path.throughput * light.radiance / light.pdf *
+  vec3 factor = path.throughput * response_of(frame, path.sample_index, has_dispersed(path) || point.is_dispersive) *
+                light.radiance / light.pdf *
                 transmittance(frame, medium_towards(frame, point, path.medium, wi.z), light.distance);
   vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
@@ -129,6 +130,7 @@ void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathH
   }
   path.bounce += 1u;
   if (is_regularized() && diffuses(point.bsdf)) path.number |= PATH_DIFFUSED;
+  if (has_dispersion() && point.is_dispersive) path.number |= PATH_DISPERSED;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);
 }
@@ -146,6 +148,7 @@ void store_camera_vertex(Frame frame, ShadingPoint point, Path path, PathHistory
   vertex.barycentrics = vec2(hit.u, hit.v);
   vertex.mis_b = path.mis_b;
   vertex.edges = is_usable ? (path.bounce + 1u) | (is_diffused(path) ? PATH_VERTEX_DIFFUSED : 0u) : 0u;
+  if (has_dispersed(path) && is_usable) vertex.edges |= PATH_VERTEX_DISPERSED;
   STORE(CameraVertexBuffer, frame.camera_vertices, slot, vertex);
   if (has_layers())
     STORE(WordBuffer, frame.camera_vertex_trails, slot, LOAD(WordBuffer, frame.path_trails, slot));

@@ -28,6 +28,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
   vertex.mis_b = path.mis_b;
   vertex.edges = (path.bounce + 1u) | spec_material_class << LIGHT_VERTEX_CLASS_SHIFT |
                  (path.number & LIGHT_VERTEX_STREAM_MASK) << LIGHT_VERTEX_STREAM_SHIFT;
+  if (has_dispersed(path)) vertex.edges |= PATH_VERTEX_DISPERSED;
   STORE(LightVertexBuffer, frame.light_vertices, index, vertex);
   if (has_layers())
     STORE(WordBuffer, frame.light_vertex_trails, index, LOAD(WordBuffer, frame.path_trails, slot));
@@ -92,7 +93,8 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
   Weighted measured = measure_splat(frame, counts, light_end(vertex, history, path.bounce + 1u, false), bsdf, area_pdf,
                                     camera_bound(frame), distance, regularization);
   float correction = shading_correction(point, -path.direction, point.wo.z);
-  vec3 factor = path.throughput * (correction * area_pdf / float(frame.light_path_count)) *
+  vec3 factor = path.throughput * response_of(frame, path.sample_index, has_dispersed(path) || point.is_dispersive) *
+                (correction * area_pdf / float(frame.light_path_count)) *
                 transmittance(frame, medium_towards(frame, point, path.medium, wi.z), lens.open_distance) *
                 transmittance_before_plane(frame, lens.distance - lens.open_distance);
   vec3 contribution = factor * measured.value;
@@ -156,6 +158,7 @@ void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex,
   if (has_layers())
     STORE(WordBuffer, frame.path_trails, slot, LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, false));
   path.bounce += 1u;
+  if (has_dispersion() && point.is_dispersive) path.number |= PATH_DISPERSED;
   STORE(PathBuffer, frame.paths, slot, path);
   append_ray(path.bounce, slot);
 }

@@ -4,6 +4,7 @@
 #define REGULUS_LIB_SHADING_GLSL
 
 #include "lib/bsdf.glsl"
+#include "lib/dispersion.glsl"
 #include "lib/light.glsl"
 #include "lib/media.glsl"
 #include "lib/normal_map.glsl"
@@ -21,6 +22,7 @@ struct ShadingPoint {
   bool is_turned;                   // wo was half-turned; only with smooth normals
   float bulge;                      // as of the surface, 1: on the side of wo; only with FEATURE_BULGES
   bool is_curved;                   // the camera's side bulges, for camera walks; only with FEATURE_BULGES
+  bool is_dispersive;               // the bsdf depends on the wavelength
   // Only with FEATURE_CONTACTS:
   MediaSet around;  // the solids on the side of wo
   uint solid;       // the solid whose boundary the surface is, or INVALID_INDEX
@@ -152,21 +154,34 @@ vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface,
                        material.clearcoat_normal_scale);
 }
 
+// Gives the material its index of refraction at the wavelength of this bend.
+void disperse(float bend, inout ShadingPoint point) {
+  point.is_dispersive = point.material.dispersion > 0.0;
+  if (point.is_dispersive) point.material.ior = dispersed_ior(point.material.ior, point.material.dispersion, bend);
+}
+
 // Sets the index of refraction behind the surface relative to that in front of it. Where solids overlap, neither need be the
 // surface's own index or 1.
-void set_media(Frame frame, MediaSet around, uint triangle, inout ShadingPoint point) {
+void set_media(Frame frame, MediaSet around, uint triangle, float bend, inout ShadingPoint point) {
   uint tag = triangle_tag(frame, triangle);
   point.around = around;
   point.solid = solid_of_tag(tag);
   point.is_closed = (tag & TRIANGLE_TAG_CLOSED) != 0u;
   if (spec_material_class != MATERIAL_CLASS_TRANSMISSIVE || point.solid == INVALID_INDEX) return;
   uint in_front = medium_of(frame, media_without(around, point.solid));
-  if (in_front != INVALID_INDEX) point.material.ior /= LOAD(MaterialBuffer, frame.materials, in_front).ior;
+  if (in_front == INVALID_INDEX) return;
+  float ior = LOAD(MaterialBuffer, frame.materials, in_front).ior;
+  if (has_dispersion()) {
+    float dispersion = LOAD(MaterialBuffer, frame.materials, in_front).dispersion;
+    if (dispersion > 0.0) ior = dispersed_ior(ior, dispersion, bend);
+    point.is_dispersive = point.is_dispersive || dispersion > 0.0;
+  }
+  point.material.ior /= ior;
 }
 
 // wo: unit, towards the previous vertex of the walk, which is on the side of the camera for TRANSPORT_RADIANCE; around: the
-// solids on its side.
-ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport, MediaSet around) {
+// solids on its side; bend: of the path's wavelength.
+ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 wo, uint transport, MediaSet around, float bend) {
   ShadingPoint point;
   point.surface = surface_at(frame, triangle, barycentrics);
   point.is_front = dot(wo, point.surface.geometric_normal) > 0.0;
@@ -188,7 +203,9 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.bulge = side * point.surface.bulge;
   point.is_curved = transport == TRANSPORT_RADIANCE && point.bulge > 0.0;
   apply_textures(frame, point.surface.uv, point.surface.color, point.material);
-  if (has_contacts()) set_media(frame, around, triangle, point);
+  point.is_dispersive = false;
+  if (has_dispersion()) disperse(bend, point);
+  if (has_contacts()) set_media(frame, around, triangle, bend, point);
   point.bsdf = make_bsdf(point.material, point.is_front);
   bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)

@@ -28,7 +28,7 @@ struct StabilityBsdfCase {
   vec2 u;
   DeviceAddress energy_tables;  // in which nothing is lost: formulas stand against formulas
 };
-REGULUS_LAYOUT(StabilityBsdfCase, 268);
+REGULUS_LAYOUT(StabilityBsdfCase, 272);
 
 struct StabilityBsdfResult {
   float value, pdf_forward, pdf_reverse;  // at (wo, wi), green

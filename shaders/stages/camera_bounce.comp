@@ -30,8 +30,8 @@ void main() {
 
   PathMedia media = start_media(NO_MEDIA);
   if (has_contacts()) media = LOAD(PathMediaBuffer, frame.path_media, slot);
-  ShadingPoint point =
-      shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE, media.around);
+  ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE,
+                                     media.around, bend_of(frame, path.sample_index));
   float way = hit.t;
   if ((spec_features & FEATURE_ABSORPTION) != 0u)
     way = length_in_medium(frame, media, path.direction, hit, point.surface.position);
@@ -51,12 +51,13 @@ void main() {
   }
   TechniqueCounts counts = technique_counts(frame, stage.merge_radius);
   Weighted emission = emission_towards(frame, point, path, history, counts, slot);
-  vec3 emitted = path.throughput * emission.value;
+  vec3 carried = path.throughput * response_of(frame, path.sample_index, has_dispersed(path));
+  vec3 emitted = carried * emission.value;
   if (any(greaterThan(emitted, vec3(0.0))))
     add_emission(frame, point, path, clamp_contribution(emitted, frame.largest_contribution), slot);
   if (has_strategies())
     add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.number & PATH_NUMBER),
-                    clamp_contribution(emitted, frame.largest_contribution), path.throughput * emission.unweighted);
+                    clamp_contribution(emitted, frame.largest_contribution), carried * emission.unweighted);
 
   // An edge to a light or to the next vertex would be edge bounce + 2 of the path.
   bool ends = path.bounce + 2u > frame.max_depth || point.wo.z <= 0.0;

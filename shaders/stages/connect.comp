@@ -68,14 +68,15 @@ void main() {
     camera_media = LOAD(MediaSetBuffer, frame.camera_vertex_media, pair.slot);
     light_media = LOAD(MediaSetBuffer, frame.light_vertex_media, pair.vertex);
   }
+  Path path = LOAD(PathBuffer, frame.paths, pair.slot);
+  float bend = bend_of(frame, path.sample_index);
   ShadingPoint camera_point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction,
-                                            TRANSPORT_RADIANCE, camera_media);
+                                            TRANSPORT_RADIANCE, camera_media, bend);
   ShadingPoint light_point =
-      shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE, light_media);
+      shading_point(frame, light.triangle, light.barycentrics, light.direction, TRANSPORT_IMPORTANCE, light_media, bend);
   vec3 camera_wi, light_wi = to_local_seen(light_point, -direction);
   if (!to_local_lit(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
   if (is_dark_towards(light_point, -direction)) return;
-  Path path = LOAD(PathBuffer, frame.paths, pair.slot);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
   uvec3 place = uvec3(camera.edges & PATH_VERTEX_EDGES, light.edges & PATH_VERTEX_EDGES,
@@ -96,7 +97,9 @@ void main() {
                                                     !has_diffusion() || light_diffused || diffuses(light_point.bsdf),
                                                     path.sample_index, distance, camera_cos, light_cos));
   float correction = shading_correction(light_point, light.direction, light_point.wo.z);
-  vec3 factor = camera.throughput * light.throughput *
+  bool is_dispersed = ((camera.edges | light.edges) & PATH_VERTEX_DISPERSED) != 0u || camera_point.is_dispersive ||
+                      light_point.is_dispersive;
+  vec3 factor = camera.throughput * light.throughput * response_of(frame, path.sample_index, is_dispersed) *
                 (abs(camera_wi.z) * light_cos * correction / connection_count(frame)) *
                 transmittance(frame, medium_towards(frame, camera_point, camera.medium, camera_wi.z), distance);
   vec3 contribution = factor * value.value;

@@ -2,6 +2,7 @@
 // reads  escaped paths          writes  radiance
 #version 460
 #extension GL_GOOGLE_include_directive : require
+#include "lib/dispersion.glsl"
 #include "lib/environment.glsl"
 #include "lib/film.glsl"
 #include "lib/history.glsl"
@@ -32,8 +33,8 @@ void main() {
     weight = hit_weight(frame, path, history, technique_counts(frame, stage.merge_radius), pdf_connect, pdf_emit,
                         EMITTER_BOUND);
   }
-  vec3 emitted =
-      clamp_contribution(path.throughput * environment.radiance * weight, frame.largest_contribution);
+  vec3 carried = path.throughput * response_of(frame, path.sample_index, has_dispersed(path));
+  vec3 emitted = clamp_contribution(carried * environment.radiance * weight, frame.largest_contribution);
   if (has_layers()) {
     uint trail = LOAD(WordBuffer, frame.path_trails, slot) | group_trail(frame, frame.environment.light);
     if (!add_to_film(frame, trail, film_index(frame, path.number & PATH_NUMBER), emitted))
@@ -43,5 +44,5 @@ void main() {
   }
   if (has_strategies())
     add_to_strategy(frame, strategy_layer(frame, 0u, path.bounce + 2u, false), film_index(frame, path.number & PATH_NUMBER), emitted,
-                    path.throughput * environment.radiance);
+                    carried * environment.radiance);
 }

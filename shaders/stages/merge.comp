@@ -62,7 +62,9 @@ Weighted merge_contribution(Frame frame, Gatherer gatherer, LightVertex light, u
   if (!to_local_lit(gatherer.point, light.direction, wi) || is_beyond_horizon(gatherer.point, light.direction))
     return Weighted(vec3(0.0), vec3(0.0));
   float correction = shading_correction(gatherer.point, light.direction, wi.z);
-  vec3 factor = gatherer.vertex.throughput * light.throughput * (correction / gatherer.counts.merge);
+  bool is_dispersed = ((gatherer.vertex.edges | light.edges) & PATH_VERTEX_DISPERSED) != 0u || gatherer.point.is_dispersive;
+  vec3 factor = gatherer.vertex.throughput * light.throughput * response_of(frame, gatherer.iteration, is_dispersed) *
+                (correction / gatherer.counts.merge);
   Weighted bsdf = weighted_value(frame, gatherer, light, index, wi);
   return Weighted(factor * bsdf.value, factor * bsdf.unweighted);
 }
@@ -82,8 +84,8 @@ void main() {
   Gatherer gatherer;
   MediaSet media = NO_MEDIA;
   if (has_contacts()) media = LOAD(MediaSetBuffer, frame.camera_vertex_media, slot);
-  gatherer.point =
-      shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE, media);
+  gatherer.point = shading_point(frame, camera.triangle, camera.barycentrics, camera.direction, TRANSPORT_RADIANCE, media,
+                                 bend_of(frame, path.sample_index));
   gatherer.vertex = camera;
   // Each subpath met the surface with the probability of its coverage, but the path has that factor once.
   Triangle triangle = placed_triangle(frame, camera.triangle).triangle;

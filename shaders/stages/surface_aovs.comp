@@ -25,7 +25,8 @@ bool meet(Frame frame, vec2 film, vec2 u, out ShadingPoint point, out Hit hit) {
   uint tag;
   hit = closest(origin, direction, seen_range(direction), tag);
   if (hit.triangle == INVALID_INDEX) return false;
-  point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE, NO_MEDIA);
+  point =
+      shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -direction, TRANSPORT_RADIANCE, NO_MEDIA, BEND_OF_D_LINE);
   return true;
 }
 

@@ -59,7 +59,7 @@ void main() {
   } else {
     footprint = travelled(footprint, hit.t);
     ShadingPoint point =
-        shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE, NO_MEDIA);
+        shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_RADIANCE, NO_MEDIA, BEND_OF_D_LINE);
     goes_on = stage.bounce + 1u < frame.max_depth && pass(frame, point, hit.triangle, path, footprint);
   }
   if (!goes_on) path.throughput = vec3(0.0);

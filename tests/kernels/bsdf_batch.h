@@ -21,7 +21,7 @@ struct BsdfCase {
   DeviceAddress sheen;   // table of sheen (interface/sheen.h); zero: without sheen
   DeviceAddress tables;  // covers of diffuse bases (interface/energy.h); zero: as under smooth interfaces
 };
-REGULUS_LAYOUT(BsdfCase, 276);
+REGULUS_LAYOUT(BsdfCase, 280);
 
 struct BsdfEvaluated {
   vec3 value;

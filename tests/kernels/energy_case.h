@@ -12,7 +12,7 @@ struct EnergyCase {
   float cosine;   // of the direction from which the surface is seen
   uint is_front;
 };
-REGULUS_LAYOUT(EnergyCase, 224);
+REGULUS_LAYOUT(EnergyCase, 228);
 
 REGULUS_INTERFACE_END
 

@@ -191,6 +191,35 @@ TEST(DeviceStagesEnergyCompensation, InDenserGlassAgreesWithTheReference) {
   expect_agreement(checked);
 }
 
+/// Dispersive glass of all kinds: smooth with a block of another index within, rough, and under a clearcoat.
+/// What lies in it is seen and lit through it.
+GltfScene dispersive_scene() {
+  GltfScene scene;
+  scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
+  scene.add({quad({-1, 0, -1}, {2, 0, 0}, {0, 2, 0})}, plastic({0.5, 0.5, 0.6}, 0.3));
+  scene.add(box({-0.7, 0.1, -0.4}, {-0.1, 0.8, 0.2}), dispersive(glass(1.6, 0, {0.5, 0.7, 0.9}), 2));
+  scene.add(box({-0.6, 0.2, -0.3}, {-0.3, 0.5, 0.1}), dispersive(glass(1.3, 0.3), 1));
+  scene.add({quad({-0.28, 0.3, -0.2}, {0.15, 0, 0}, {0, 0.3, 0.1})}, lambert({0.6, 0.7, 0.5}));
+  scene.add(box({0.2, 0.1, -0.2}, {0.6, 0.5, 0.2}), dispersive(glass(1.5, 0.4), 5));
+  scene.add(box({0.1, 0.02, 0.4}, {0.5, 0.3, 0.7}), coated(dispersive(glass(2.4, 0), 0.36), 0.3));
+  scene.add({quad({-0.3, 1, 0.3}, {0.6, 0, 0}, {0, 0.1, -0.6})}, emitter({2, 2, 1}, true));
+  scene.add_directional_light({0.4, -1, -0.3}, 2);
+  scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.9);
+  return scene;
+}
+
+// A wavelength for each sample: of rays, of pairs in the same iteration.
+TEST(DeviceStagesDispersion, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  for (const bool has_compensation : {false, true}) {
+    render::RenderSettings settings = Checked::settings();
+    settings.has_energy_compensation = has_compensation;
+    Checked checked(prepare(dispersive_scene()), settings);
+    expect_agreement(checked);
+  }
+}
+
 // With a microfacet model whose visible normals take part of the number that also chooses reflection.
 TEST(DeviceStagesEnergyCompensation, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
@@ -512,6 +541,15 @@ TEST(DeviceConnections, BehindTheNearPlaneInAMediumAgreeWithTheReference) {
             lambert({0.5, 0.5, 0.5}));  // hidden by the plane
   scene.set_near_plane(0.7);
   expect_agreement(prepare(scene), CheckedConnections::settings(REGULARIZATION_NONE));
+}
+
+// Both ends of a connection, or a merge, may have met dispersive glass, one of them, or none.
+TEST(DeviceConnections, ThroughDispersiveGlassAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  expect_agreement(prepare(dispersive_scene()), CheckedConnections::settings(REGULARIZATION_NONE));
+  expect_agreement(prepare(dispersive_scene()),
+                   CheckedConnections::settings(ON | REGULARIZATION_BOTH | REGULARIZATION_DIFFUSION, 0.6F));
 }
 
 TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {

@@ -495,6 +495,28 @@ TEST(SceneMaterial, IridescenceIsReadWithItsDefaults) {
   EXPECT_EQ(find_features(none).bits & interface::FEATURE_IRIDESCENCE, 0U);
 }
 
+TEST(SceneMaterial, OnlySolidsDisperse) {
+  const auto glass = [](double transmission, double thickness, double ior) {
+    return load_material({{"extensions",
+                           {{"KHR_materials_dispersion", {{"dispersion", 0.36}}},
+                            {"KHR_materials_ior", {{"ior", ior}}},
+                            {"KHR_materials_transmission", {{"transmissionFactor", transmission}}},
+                            {"KHR_materials_volume", {{"thicknessFactor", thickness}}}}}});
+  };
+  const Scene diamond = glass(1, 1, 2.417);
+  EXPECT_TRUE(diamond.warnings.empty());
+  EXPECT_EQ(diamond.materials[0].dispersion, 0.36F);
+  EXPECT_NE(find_features(diamond).bits & interface::FEATURE_DISPERSION, 0U);
+  for (const Scene& scene : {glass(0, 1, 2.417), glass(1, 0, 2.417), glass(1, 1, 1)}) {
+    EXPECT_EQ(scene.materials[0].dispersion, 0);
+    EXPECT_EQ(find_features(scene).bits & interface::FEATURE_DISPERSION, 0U);
+  }
+  const Scene mended = load_material(with_extension("KHR_materials_dispersion", {{"dispersion", -1}}));
+  EXPECT_TRUE(has_warning(mended, "dispersion -1 is out of range; correct it (clamped to 0)"));
+  EXPECT_TRUE(has_warning(load_material(with_extension("KHR_materials_dispersion", {{"dispersion", "much"}})),
+                          "dispersion"));
+}
+
 TEST(SceneMaterial, FaultyFilmsAreMendedOrRefused) {
   const auto film = [](const nlohmann::json& members) {
     return load_material({{"extensions", {{"KHR_materials_iridescence", members}}}});

@@ -63,6 +63,12 @@ inline nlohmann::json filmed(nlohmann::json material, double ior, double thickne
   return material;
 }
 
+/// The material, which has a volume, with this dispersion: 20 over Abbe's number.
+inline nlohmann::json dispersive(nlohmann::json material, double dispersion) {
+  material["extensions"]["KHR_materials_dispersion"] = {{"dispersion", dispersion}};
+  return material;
+}
+
 inline const nlohmann::json WHITE = lambert({0.7, 0.7, 0.7});
 
 // Faces down.
