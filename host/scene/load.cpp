@@ -35,7 +35,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr uint64_t MAX_FILM_SIDE = 65536;
+// That of --size: paths hold the numbers of 2^30 pixels (PATH_NUMBER).
+constexpr uint64_t MAX_FILM_SIDE = 32768;
 
 /// Member `name` of `object` if both are objects.
 const json* object_member(const json* object, const char* name) {

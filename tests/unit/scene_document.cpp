@@ -110,8 +110,12 @@ TEST(SceneDocument, SettingsAndResolutionAreRead) {
       {"integrator", "pt"}, {"spp", "64"}, {"tau", "0.5"}, {"energy-compensation", "true"}};
   EXPECT_EQ(scene.settings, expected);
   EXPECT_TRUE(has_warning(scene, "regulus/aov"));
-  file.root["asset"]["extras"]["resolution"] = {0, 200};
-  EXPECT_FALSE(file.load().resolution.has_value());
+  for (const int side : {0, 32769}) {
+    file.root["asset"]["extras"]["resolution"] = {side, 200};
+    EXPECT_FALSE(file.load().resolution.has_value()) << side;
+  }
+  file.root["asset"]["extras"]["resolution"] = {32768, 200};
+  EXPECT_EQ(file.load().resolution, glm::uvec2(32768, 200));
 }
 
 TEST(SceneDocument, RequiredExtensionsAreReadOrNamed) {
