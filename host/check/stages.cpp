@@ -248,9 +248,8 @@ class StageChecker {
     const dvec4 v = random_block(settings, path.number & PATH_NUMBER, path.sample_index,
                                  DIMENSION_BLOCK_EMISSION_DIRECTION);
     const reference::World& world = subject_.world;
-    const reference::LightPoint point = light_point(path);
-    const reference::EmissionRay ray = sample_emission(world, point, {u.z, u.w}, {v.x, v.y});
-    const reference::LightEnd end = light_end(world, point, ray.direction);
+    const auto [point, ray] = reference::start_light_path(world, u, {v.x, v.y});
+    const reference::LightEnd end = light_end(world, point, ray.direction, ray.origin);
     const double cosine =
         point.is_triangle() ? std::abs(dot(ray.direction, point.surface.geometric_normal)) : 1;
     const dvec3 throughput = end.emitted * cosine / (end.point_pdf * end.density.value);
@@ -337,8 +336,7 @@ class StageChecker {
   reference::LightPoint light_point(const Path& path) const {
     const dvec4 u = random_block(subject_.reference_settings, path.number & PATH_NUMBER, path.sample_index,
                                  DIMENSION_BLOCK_EMISSION);
-    return sample_light_point(subject_.world, reference::select_light(subject_.world.scene(), {u.x, u.y}),
-                              {u.z, u.w});
+    return reference::start_light_path(subject_.world, u, {0, 0}).point;
   }
 
   /// Length of the last edge: with contacts between the surfaces themselves.

@@ -166,6 +166,16 @@ Json regularization_json(const render::Plan& plan) {
   return {{"used", false}, {"why", is_chosen ? plan.techniques_rule : "the settings ask for none"}};
 }
 
+// Whether light paths are guided, and why.
+Json light_guide_json(const render::Plan& plan) {
+  const std::string* dropped = plan.why_dropped("guided emission");
+  const std::string why = plan.asked.light_guide == LIGHT_GUIDE_OFF ? "the settings ask for none"
+                          : dropped != nullptr                      ? "dropped: " + *dropped
+                          : !plan.light_guide_rule.empty()          ? plan.light_guide_rule
+                                                                    : "no technique uses light paths";
+  return {{"used", plan.light_guide != nullptr}, {"why", why}};
+}
+
 /// A point of the scene's frame in the file's world.
 Json in_world(const scene::Scene& scene, const glm::vec3& point) {
   const glm::dvec3 world = scene.origin + glm::dvec3(point);
@@ -216,6 +226,7 @@ Json inspect(const InspectOptions& options) {
       {"stages", stages_json(plan)},
       {"techniques", {{"set", render::technique_set_name(plan.techniques)}, {"rule", plan.techniques_rule}}},
       {"regularization", regularization_json(plan)},
+      {"light_guide", light_guide_json(plan)},
       {"merge_radius",
        {{"metres", radius.metres},
         {"rule", radius.rule},
@@ -288,6 +299,8 @@ void print(const Json& scene) {
   for (const Json& dropped : scene["dropped"])
     if (dropped["what"] != "regularization")
       say("dropped          {}: {}\n", dropped["what"].get<std::string>(), dropped["why"].get<std::string>());
+  say("light guide      {}: {}\n", scene["light_guide"]["used"] ? "yes" : "no",
+      scene["light_guide"]["why"].get<std::string>());
   say("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
       scene["merge_radius"]["rule"].get<std::string>(),
       scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");

@@ -168,6 +168,8 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
   if (!settings.techniques)
     spdlog::info("techniques {}{}: {}", render::technique_set_name(plan.techniques),
                  plan.regularization != 0 ? " with regularization" : "", plan.techniques_rule);
+  if (!plan.light_guide_rule.empty() && plan.why_dropped("guided emission") == nullptr)
+    spdlog::info("{} guided emission: {}", plan.light_guide ? "with" : "without", plan.light_guide_rule);
   for (const render::Dropped& dropped : plan.dropped)
     spdlog::info("without {}: {}", dropped.what, dropped.why);
   times.bvh_seconds = session.stopwatch.lap();

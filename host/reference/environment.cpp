@@ -88,6 +88,17 @@ dvec3 sample_environment(const Environment& environment, const dvec2& u) {
   return direction_of(environment, {x, y});
 }
 
+dvec2 environment_numbers(const Environment& environment, const dvec3& w) {
+  const dvec2 position = position_of(environment, w);
+  const auto row = static_cast<size_t>(std::min(position.y, environment.parameters.height - 1.0));
+  const auto column = static_cast<size_t>(std::min(position.x, environment.parameters.width - 1.0));
+  const auto reached = [](const Cdf& cdf, size_t cell, double place) {
+    return std::min(cdf[cell] + share_of(cdf, cell) * (place - static_cast<double>(cell)), 1 - 0x1p-24);
+  };
+  return {reached(column_cdf(environment, row), column, position.x),
+          reached(row_cdf(environment), row, position.y)};
+}
+
 double environment_pdf(const Environment& environment, const dvec3& w) {
   if (!environment.is_map()) return 1 / (4 * pi);
   const double width = environment.parameters.width;

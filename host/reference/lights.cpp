@@ -6,6 +6,7 @@
 
 #include "reference/environment.hpp"
 #include "reference/light_choice.hpp"
+#include "reference/light_guide.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -59,6 +60,15 @@ dvec3 sample_triangle_direction(const World& world, const Surface& surface, dvec
   return Basis(normal).to_world(sample_cosine_hemisphere(u));
 }
 
+uint32_t select_by(const std::vector<LightAlias>& table, const dvec2& u) {
+  const auto count = static_cast<uint32_t>(table.size());
+  if (count == 1) return 0;
+  const float bucket = static_cast<float>(u.x) * static_cast<float>(count);
+  const uint32_t index = std::min(static_cast<uint32_t>(bucket), count - 1);
+  const LightAlias& entry = table[index];
+  return u.y < entry.threshold ? index : entry.alias;
+}
+
 /// Density of sample_light_point().
 double density_on_light(const World& world, const LightPoint& point) {
   if (point.kind == LIGHT_ENVIRONMENT) return environment_pdf(*world.scene().environment, point.direction);
@@ -67,13 +77,21 @@ double density_on_light(const World& world, const LightPoint& point) {
 
 }  // namespace
 
+uint32_t select_emitter(const World& world, const dvec2& u) {
+  return select_by(world.light_guide() ? world.light_guide()->aliases : world.scene().light_aliases, u);
+}
+
 uint32_t select_light(const scene::Scene& scene, const dvec2& u) {
-  const auto count = static_cast<uint32_t>(scene.lights.size());
-  if (count == 1) return 0;
-  const float bucket = static_cast<float>(u.x) * static_cast<float>(count);
-  const uint32_t index = std::min(static_cast<uint32_t>(bucket), count - 1);
-  const LightAlias& entry = scene.light_aliases[index];
-  return u.y < entry.threshold ? index : entry.alias;
+  return select_by(scene.light_aliases, u);
+}
+
+LightStart start_light_path(const World& world, const glm::dvec4& u_point, const dvec2& u_direction) {
+  const uint32_t light = select_emitter(world, {u_point.x, u_point.y});
+  glm::dvec4 u(u_point.z, u_point.w, u_direction);
+  if (world.light_guide()) u = guide_start(*world.light_guide(), light, u);
+  LightStart start{sample_light_point(world, light, {u.x, u.y}), {}};
+  start.ray = sample_emission(world, start.point, {u.x, u.y}, {u.z, u.w});
+  return start;
 }
 
 LightPoint sample_light_point(const World& world, uint32_t index, const dvec2& u) {
@@ -108,7 +126,9 @@ std::optional<LightPoint> light_point_at(const Surface& surface) {
 }
 
 double light_point_pdf(const World& world, const LightPoint& point) {
-  return light_of(world, point).selection_pdf * density_on_light(world, point);
+  const double selection_pdf = world.light_guide() ? world.light_guide()->lights[point.light].selection_pdf
+                                                   : light_of(world, point).selection_pdf;
+  return selection_pdf * density_on_light(world, point);
 }
 
 double connection_pdf(const World& world, const LightPoint& point, const Surface& surface,

@@ -33,6 +33,10 @@ struct LightPoint {
   bool is_distant() const { return reference::is_distant(kind); }
 };
 
+/// The light at which a light path starts, by two uniform numbers: by power, or as the world's guide says.
+/// Precondition: the scene has lights.
+uint32_t select_emitter(const World& world, const glm::dvec2& u);
+
 /// The light that two uniform numbers choose by power. The bucket is found in single precision, as on the
 /// device, because it is a decision, and decisions have to agree. Precondition: the scene has lights.
 uint32_t select_light(const scene::Scene& scene, const glm::dvec2& u);
@@ -80,6 +84,16 @@ struct EmissionRay {
 /// position was its direction, `u_direction` does so.
 EmissionRay sample_emission(const World& world, const LightPoint& point, const glm::dvec2& u_position,
                             const glm::dvec2& u_direction);
+
+/// How a light path starts.
+struct LightStart {
+  LightPoint point;
+  EmissionRay ray;
+};
+
+/// Starts a light path with the random numbers of interface::DIMENSION_BLOCK_EMISSION (light, position) and
+/// DIMENSION_BLOCK_EMISSION_DIRECTION. With density light_point_pdf() times that of light_end().
+LightStart start_light_path(const World& world, const glm::dvec4& u_point, const glm::dvec2& u_direction);
 
 /// The place from which a ray leaves the point of a light.
 Place place_of_light(const World& world, const LightPoint& point, const Ray& ray);

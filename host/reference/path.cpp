@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "reference/light_guide.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -236,11 +237,15 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& materi
   return result;
 }
 
-LightEnd light_end(const World& world, const LightPoint& point, const dvec3& direction) {
+LightEnd light_end(const World& world, const LightPoint& point, const dvec3& direction, const dvec3& at) {
+  RayDensity density = emission_density(world, point, direction);
+  if (world.light_guide())
+    density.value *=
+        guide_density(*world.light_guide(), point.light, start_numbers(world, point, direction, at));
   return {point.kind,
           emitted(world, point, direction),
           light_point_pdf(world, point),
-          emission_density(world, point, direction),
+          density,
           0,
           emission_bound(world, point),
           point.light};

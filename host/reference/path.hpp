@@ -124,8 +124,10 @@ VertexScattering scattering_of_sample(const Surface& surface, const Bsdf& bsdf, 
                                       const glm::dvec3& w_camera, const BsdfSample& sample,
                                       TransportMode transport, const Regularization& regularization = {});
 
-/// x_0 for a path that goes on along `direction` (the way light travels).
-LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3& direction);
+/// x_0 for a path that goes on along `direction` (the way light travels), through `at`: for distant light any
+/// point of the edge, for others x_0 itself will do.
+LightEnd light_end(const World& world, const LightPoint& point, const glm::dvec3& direction,
+                   const glm::dvec3& at);
 
 /// Frame on one side of a surface (the front if `normal` is the shading normal, the back if it is its
 /// negative) that device and reference share.

@@ -76,7 +76,7 @@ std::optional<SampledPath> hit_light(const World& world, const CameraSubpath& ca
   if (!point) return std::nullopt;
   SampledPath sampled{path_of_length(edges), TECHNIQUE_HIT, 0, last.survival};
   set_camera_part(sampled.path, camera, edges);
-  sampled.path.light = light_end(world, *point, last.w_back);
+  sampled.path.light = light_end(world, *point, last.w_back, last.surface.position);
   if (edges > 1)
     sampled.path.light.connect_pdf = connection_pdf(world, *point, camera.vertices[edges - 2].surface,
                                                     looks_towards(camera.vertices[edges - 2], -last.w_back));
@@ -93,7 +93,8 @@ std::optional<SampledPath> hit_environment(const World& world, const CameraSubpa
   SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_HIT, 0, escape.survival};
   set_camera_part(sampled.path, camera, edges);
   sampled.path.edges[0].cos_camera_end = escape.cos_start;
-  sampled.path.light = light_end(world, *point, -escape.direction);
+  sampled.path.light = light_end(world, *point, -escape.direction,
+                                 edges > 0 ? camera.vertices[edges - 1].surface.position : camera.ray.origin);
   if (edges > 0) {
     const WalkVertex& last = camera.vertices[edges - 1];
     sampled.path.vertices[1] = last.scattering;
@@ -113,7 +114,7 @@ std::optional<SampledPath> connect_to_light(const World& world, const LightPoint
   SampledPath sampled{path_of_length(edges + 1), TECHNIQUE_NEE, 1, last.survival};
   Path& path = sampled.path;
   set_camera_part(path, camera, edges);
-  path.light = light_end(world, point, -w);
+  path.light = light_end(world, point, -w, last.surface.position);
   path.light.connect_pdf = connection_pdf(world, point, last.surface, looks_towards(last, w));
   path.vertices[1] =
       scattering_between(last.surface, last.bsdf, w, last.w_back, last.regularization,
@@ -186,7 +187,7 @@ std::optional<SampledPath> connect_to_lens(const World& world, const Camera& len
   uint32_t medium = INVALID_INDEX;
   Place place;
   if (edges == 0) {
-    path.light = light_end(world, light.point, w);
+    path.light = light_end(world, light.point, w, surface.position);
     place = place_of_light(world, light.point, world.ray_from(surface, w));
     medium = world.medium_of(place.around);
   } else {

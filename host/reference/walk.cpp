@@ -370,10 +370,10 @@ LightSubpath walk_from_light(const World& world, const Settings& settings, uint3
   LightSubpath subpath;
   subpath.stream = {settings.seed, index, iteration};
   subpath.regularization = regularization_of(settings, iteration);
-  subpath.point =
-      sample_light_point(world, select_light(world.scene(), {u_point.x, u_point.y}), {u_point.z, u_point.w});
-  subpath.ray = sample_emission(world, subpath.point, {u_point.z, u_point.w}, {u_direction.x, u_direction.y});
-  subpath.end = light_end(world, subpath.point, subpath.ray.direction);
+  const LightStart start_of_path = start_light_path(world, u_point, {u_direction.x, u_direction.y});
+  subpath.point = start_of_path.point;
+  subpath.ray = start_of_path.ray;
+  subpath.end = light_end(world, subpath.point, subpath.ray.direction, subpath.ray.origin);
   if (!(largest_component(subpath.end.emitted) > 0)) return subpath;
 
   WalkState state{subpath.ray.origin, subpath.ray.direction};

@@ -32,12 +32,13 @@ constexpr double MIN_MAPPED_COS = 0.01;
 }  // namespace
 
 World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, uint32_t light_sampling,
-             bool compensates_energy)
+             bool compensates_energy, std::shared_ptr<const scene::LightGuide> light_guide)
     : scene_(prepared.scene),
       traversal_(prepared.bvh, &prepared.scene),
       ndf_(ndf),
       shadowing_(shadowing),
       light_sampling_(scene::resolve_light_sampling(light_sampling, scene_.lights.size())),
+      light_guide_(std::move(light_guide)),
       center_(0.5f * (scene_.bounds_min + scene_.bounds_max)),
       radius_(0.5 * glm::length(dvec3(scene_.bounds_max) - dvec3(scene_.bounds_min))),
       has_smooth_normals_((prepared.features.bits & FEATURE_SMOOTH_NORMALS) != 0),

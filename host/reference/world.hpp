@@ -14,6 +14,7 @@
 #include "reference/media.hpp"
 #include "reference/traversal.hpp"
 #include "reference/wavelength.hpp"
+#include "scene/light_guide.hpp"
 #include "scene/placement.hpp"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
@@ -57,7 +58,8 @@ class World {
  public:
   explicit World(const PreparedScene& prepared, uint32_t ndf = interface::NDF_GGX,
                  uint32_t shadowing = interface::SHADOWING_SMITH,
-                 uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false);
+                 uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false,
+                 std::shared_ptr<const scene::LightGuide> light_guide = nullptr);
 
   const scene::Scene& scene() const { return scene_; }
 
@@ -67,6 +69,9 @@ class World {
 
   /// How next-event estimation chooses a light: LIGHT_SAMPLING_*, resolved.
   uint32_t light_sampling() const { return light_sampling_; }
+
+  /// How light paths start; null: by power.
+  const scene::LightGuide* light_guide() const { return light_guide_.get(); }
 
   /// Centre and radius of the sphere around the scene's bounds: where directional light starts.
   const glm::dvec3& center() const { return center_; }
@@ -164,6 +169,7 @@ class World {
   const scene::Scene& scene_;
   Traversal traversal_;
   uint32_t ndf_, shadowing_, light_sampling_;
+  std::shared_ptr<const scene::LightGuide> light_guide_;
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;

@@ -21,6 +21,12 @@ const scene::LightTree& light_tree_of(const scene::Scene& scene, const Plan& pla
   return plan.light_sampling == interface::LIGHT_SAMPLING_BVH ? scene.light_tree : NO_LIGHT_TREE;
 }
 
+const scene::LightGuide NO_LIGHT_GUIDE;
+
+const scene::LightGuide& light_guide_of(const Plan& plan) {
+  return plan.light_guide ? *plan.light_guide : NO_LIGHT_GUIDE;
+}
+
 const scene::Solids NO_SOLIDS;
 
 const scene::Solids& solids_of(const scene::Scene& scene) {
@@ -88,6 +94,9 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       light_aliases_(gpu::upload_new(device, scene.light_aliases, "light aliases")),
       light_pairs_(gpu::upload_new(device, light_tree_of(scene, plan).pairs, "light pairs")),
       light_trails_(gpu::upload_new(device, light_tree_of(scene, plan).trails, "light trails")),
+      guided_lights_(gpu::upload_new(device, light_guide_of(plan).lights, "guided lights")),
+      guided_light_aliases_(gpu::upload_new(device, light_guide_of(plan).aliases, "guided light aliases")),
+      guide_nodes_(gpu::upload_new(device, light_guide_of(plan).nodes, "guide nodes")),
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       energy_tables_(energy_tables_of(device, prepared, plan)),
@@ -135,6 +144,9 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.lights = address(lights_);
   frame.light_aliases = address(light_aliases_);
   frame.light_tree = light_tree_;
+  frame.guided_lights = address(guided_lights_);
+  frame.guided_light_aliases = address(guided_light_aliases_);
+  frame.guide_nodes = address(guide_nodes_);
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);

@@ -29,8 +29,9 @@ class DeviceScene {
   gpu::Buffer bvh_nodes_, bvh_triangles_, vertices_, vertex_colors_, vertex_uvs_, vertex_tangents_,
       triangles_, instances_, instance_blocks_, materials_;
   std::vector<gpu::Buffer> images_;
-  gpu::Buffer textures_, lights_, light_aliases_, light_pairs_, light_trails_, environment_texels_,
-      environment_cdf_, energy_tables_, sheen_table_, wavelengths_, solids_, media_sets_, light_media_;
+  gpu::Buffer textures_, lights_, light_aliases_, light_pairs_, light_trails_, guided_lights_,
+      guided_light_aliases_, guide_nodes_, environment_texels_, environment_cdf_, energy_tables_,
+      sheen_table_, wavelengths_, solids_, media_sets_, light_media_;
   interface::Environment environment_;
   interface::LightTreeRoot light_tree_;
   uint32_t light_count_, vertex_uv_sets_, stored_triangles_, instance_block_shift_;

@@ -39,6 +39,8 @@ inline constexpr std::array<Name, 4> LIGHT_SAMPLING = {{{"auto", LIGHT_SAMPLING_
                                                         {"bvh", LIGHT_SAMPLING_BVH},
                                                         {"power", LIGHT_SAMPLING_POWER},
                                                         {"uniform", LIGHT_SAMPLING_UNIFORM}}};
+inline constexpr std::array<Name, 3> LIGHT_GUIDE = {
+    {{"auto", LIGHT_GUIDE_AUTO}, {"on", LIGHT_GUIDE_ON}, {"off", LIGHT_GUIDE_OFF}}};
 inline constexpr std::array<Name, 4> RAYS = {
     {{"auto", RAYS_AUTO}, {"hardware", RAYS_HARDWARE}, {"software", RAYS_SOFTWARE}, {"host", RAYS_HOST}}};
 /// Kinds of regularization, without the modes that may be added: REGULARIZATION_CONSISTENT, _DIFFUSION.

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "reference/merge_radius.hpp"
+#include "render/light_guide_choice.hpp"
 #include "render/names.hpp"
 #include "render/state.hpp"
 #include "render/technique_choice.hpp"
@@ -105,6 +106,20 @@ bool has(const Plan& plan, uint32_t techniques) {
   return (plan.techniques & techniques) != 0;
 }
 
+void plan_light_guide(Plan& plan, const PreparedScene& prepared) {
+  if (plan.asked.light_guide == LIGHT_GUIDE_OFF) return;
+  if (!has(plan, LIGHT_SUBPATH_TECHNIQUES)) {
+    if (plan.asked.light_guide == LIGHT_GUIDE_ON)
+      plan.dropped.push_back({"guided emission", "no technique uses light paths"});
+    return;
+  }
+  LightGuideChoice choice = choose_light_guide(prepared, plan.asked);
+  plan.light_guide = std::move(choice.guide);
+  plan.light_guide_rule = std::move(choice.why);
+  if (!plan.light_guide && plan.asked.light_guide == LIGHT_GUIDE_ON)
+    plan.dropped.push_back({"guided emission", plan.light_guide_rule});
+}
+
 // Decides how waves run, which follows from the choices.
 void plan_waves(Plan& plan) {
   plan.connections_per_vertex = !has(plan, TECHNIQUE_CONNECT) ? 0
@@ -138,6 +153,7 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
                                                                                  prepared.scene.lights.size())
                                                  : LIGHT_SAMPLING_POWER;
   plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
+  plan_light_guide(plan, prepared);
   plan_merge_radius(plan, prepared);
   plan_waves(plan);
   return plan;

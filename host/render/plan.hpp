@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "prepared/prepared_scene.hpp"
 #include "render/layers.hpp"
 #include "render/settings.hpp"
+#include "scene/light_guide.hpp"
 
 namespace regulus::reference {
 struct MergeRadius;   // reference/merge_radius.hpp
@@ -29,7 +31,10 @@ struct Plan : CommonSettings {
   uint32_t techniques = 0;                                    ///< those that can contribute
   std::string techniques_rule;                                ///< why these, in words
   uint32_t light_sampling = interface::LIGHT_SAMPLING_POWER;  ///< LIGHT_SAMPLING_*, never _AUTO
-  uint32_t light_paths = 0;                                   ///< per iteration
+  /// By which light paths start; null: by power.
+  std::shared_ptr<const scene::LightGuide> light_guide;
+  std::string light_guide_rule;   ///< why, in words; empty: nobody asked for one
+  uint32_t light_paths = 0;       ///< per iteration
   float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged
   std::string merge_radius_rule;  ///< where it comes from, in words
   uint32_t regularization = interface::REGULARIZATION_NONE;

@@ -83,6 +83,7 @@ struct RenderSettings : CommonSettings {
   /// TECHNIQUE_* bits; none: those that suit the scene, see choose_techniques().
   std::optional<uint32_t> techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
+  uint32_t light_guide = interface::LIGHT_GUIDE_OFF;         ///< LIGHT_GUIDE_*: how light paths start
   std::optional<uint32_t> light_paths;  ///< per iteration (one sample of every pixel); none: one per pixel
   std::optional<float> merge_radius;    ///< metres, of the first iteration; none: by what the camera sees
   std::optional<float> merge_radius_share;  ///< instead of metres: a share of the extent that the camera sees

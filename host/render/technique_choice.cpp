@@ -55,6 +55,7 @@ Plan plan_probe(const PreparedScene& prepared, const RenderSettings& asked, uint
   small.first_sample = PROBED_ITERATION;
   small.samples = PROBE_SAMPLES;
   small.light_paths.reset();
+  small.light_guide = LIGHT_GUIDE_OFF;
   small.cache_connections = 0;
   shrink_film(small);
   Plan plan = make_plan(prepared, small);

@@ -1,11 +1,13 @@
 #include "session/check_run.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "check/check.hpp"
 #include "check/reference_render.hpp"
 #include "reference/merge_radius.hpp"
+#include "render/light_guide_choice.hpp"
 #include "render/reference_settings.hpp"
 
 namespace regulus::session {
@@ -34,6 +36,13 @@ bool passes(const check::Tally& tally, const TallySink& sink) {
 /// Adds the lines of another iteration to those of the same stages.
 void add_tallies(std::vector<check::Tally>& all, const std::vector<check::Tally>& more) {
   for (size_t i = 0; i < more.size(); ++i) i < all.size() ? all[i].add(more[i]) : all.push_back(more[i]);
+}
+
+/// The guide of all sets that are checked: the plan's own may have no light paths.
+std::shared_ptr<const scene::LightGuide> guide_of_all_sets(const PreparedScene& prepared,
+                                                           const render::Plan& plan) {
+  if (plan.light_guide || plan.asked.light_guide == LIGHT_GUIDE_OFF) return plan.light_guide;
+  return choose_light_guide(prepared, plan.asked).guide;
 }
 
 }  // namespace
@@ -130,7 +139,8 @@ render::RenderSettings one_choice(const PreparedScene& prepared, render::RenderS
 
 CheckedPlan::CheckedPlan(const PreparedScene& prepared, const render::Plan& plan)
     : plan_(plan),
-      world_(prepared, plan.ndf, plan.shadowing, plan.asked.light_sampling, plan.has_energy_compensation),
+      world_(prepared, plan.ndf, plan.shadowing, plan.asked.light_sampling, plan.has_energy_compensation,
+             guide_of_all_sets(prepared, plan)),
       camera_(scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan.width,
               plan.height),
       settings_(render::reference_settings(plan_)),

@@ -46,6 +46,8 @@ nlohmann::json settings_json(const render::Plan& plan) {
           {"techniques", technique_names(plan.techniques)},
           {"techniques_rule", plan.techniques_rule},
           {"light_sampling", name_of(names::LIGHT_SAMPLING, plan.light_sampling)},
+          {"light_guide", plan.light_guide ? fmt::format("on {:016x}", hash_of(*plan.light_guide)) : "off"},
+          {"light_guide_rule", plan.light_guide_rule},
           {"light_paths", plan.light_paths},
           {"cache_connections", plan.cache_connections},
           {"merge_radius", plan.merge_radius},
@@ -76,6 +78,7 @@ nlohmann::json asked_json(const render::Plan& plan) {
   };
   return {{"techniques", asked.techniques ? technique_names(*asked.techniques) : nlohmann::json(nullptr)},
           {"light_sampling", name_of(names::LIGHT_SAMPLING, asked.light_sampling)},
+          {"light_guide", name_of(names::LIGHT_GUIDE, asked.light_guide)},
           {"light_paths", given(asked.light_paths)},
           {"merge_radius", given(asked.merge_radius)},
           {"merge_radius_share", given(asked.merge_radius_share)},

@@ -24,6 +24,10 @@ struct Frame {
   DeviceAddress lights;
   DeviceAddress light_aliases;
   LightTreeRoot light_tree;      // only with LIGHT_SAMPLING_BVH
+  // Only with SPEC_LIGHT_GUIDE.
+  DeviceAddress guided_lights;         // GuidedLight per light
+  DeviceAddress guided_light_aliases;  // by which light paths choose one
+  DeviceAddress guide_nodes;
   DeviceAddress environment_texels;  // vec3, row by row; only with a map
   DeviceAddress environment_cdf;     // see Environment; only with a map
   DeviceAddress energy_tables;  // see lib/energy.glsl
@@ -72,7 +76,7 @@ struct Frame {
   uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
   uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 852);
+REGULUS_LAYOUT(Frame, 876);
 
 // Push constants of every stage.
 struct StageArguments {

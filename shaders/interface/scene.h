@@ -215,6 +215,25 @@ struct LightAlias {
 };
 REGULUS_LAYOUT(LightAlias, 8);
 
+// Guided emission: how light paths start that go where the camera looks (docs/mathematics.md 16). A start is a light and four
+// numbers of the unit cube: where on it, which way. What today's density makes of numbers that are uniform is moved by a
+// binary tree of the cube: a node halves its box along one axis, and gives the first half a share of what it has itself. The
+// density of a start is that of starts by power times the product of 2 share along its way.
+// A light's own entry: its probability, and where its tree starts.
+struct GuidedLight {
+  float selection_pdf;  // probability that a light path starts at this light
+  uint root;            // node
+};
+REGULUS_LAYOUT(GuidedLight, 8);
+struct GuideNode {
+  float first_share;  // of the lower half, in (0, 1)
+  uint next;          // node of the lower half << 2 | axis; the upper half's follows it. GUIDE_LEAF: the box is not halved
+};
+REGULUS_LAYOUT(GuideNode, 8);
+REGULUS_CONSTANT GUIDE_LEAF = 0xFFFFFFFFu;
+REGULUS_CONSTANT GUIDE_HALVINGS = 10u;                    // of one axis at most
+REGULUS_CONSTANT GUIDE_DEPTH = 4u * GUIDE_HALVINGS + 1u;  // nodes on the way to a leaf, at most
+
 // The light tree: binary; the two nodes of a pair are siblings, pair 0 holds the root's children, and a leaf is a light. A
 // light's trail tells its leaf: bit k is 1 where the way from the root takes the second node of its pair at depth k.
 // Of each node:

@@ -27,6 +27,7 @@ REGULUS_CONSTANT SPEC_STATE = 17u;           // STATE_*: what paths and vertices
 REGULUS_CONSTANT SPEC_FILM_EXPONENT = 18u;    // of the unit of the film's sums, signed
 REGULUS_CONSTANT SPEC_SQUARE_EXPONENT = 19u;  // of the unit of its sums of squares, signed
 REGULUS_CONSTANT SPEC_RAYS = 20u;             // RAYS_*: who has traced the segments of candidates
+REGULUS_CONSTANT SPEC_LIGHT_GUIDE = 21u;      // 1: light paths start as a guide says (lib/light_guide.glsl)
 
 // Who traces rays.
 REGULUS_CONSTANT RAYS_SOFTWARE = 0u;  // kernels (lib/traversal.glsl)
@@ -34,11 +35,16 @@ REGULUS_CONSTANT RAYS_HOST = 1u;      // host code, in the memory of a software 
 REGULUS_CONSTANT RAYS_AUTO = 2u;      // decided before kernels are built: no kernel sees it
 REGULUS_CONSTANT RAYS_HARDWARE = 3u;  // the device's own queries (lib/hardware_query.glsl), in kernels of their own
 
-// How next-event estimation chooses a light. Light paths always start by power.
+// How next-event estimation chooses a light. Light paths start by power, or as a guide says.
 REGULUS_CONSTANT LIGHT_SAMPLING_POWER = 0u;
 REGULUS_CONSTANT LIGHT_SAMPLING_BVH = 1u;      // by what each can send to the surface (lib/light_tree.glsl)
 REGULUS_CONSTANT LIGHT_SAMPLING_UNIFORM = 2u;
 REGULUS_CONSTANT LIGHT_SAMPLING_AUTO = 3u;     // chosen before kernels are built: no kernel sees it
+
+// Whether light paths are guided: what is asked for.
+REGULUS_CONSTANT LIGHT_GUIDE_OFF = 0u;
+REGULUS_CONSTANT LIGHT_GUIDE_ON = 1u;
+REGULUS_CONSTANT LIGHT_GUIDE_AUTO = 2u;  // where it pays
 
 REGULUS_CONSTANT WALK_CAMERA = 0u;
 REGULUS_CONSTANT WALK_LIGHT = 1u;

@@ -31,6 +31,8 @@ REGULUS_BUFFER(TextureBuffer, Texture);
 REGULUS_BUFFER(LightBuffer, Light);
 REGULUS_BUFFER(LightAliasBuffer, LightAlias);
 REGULUS_BUFFER(LightReceiverBuffer, LightReceiver);
+REGULUS_BUFFER(GuidedLightBuffer, GuidedLight);
+REGULUS_BUFFER(GuideNodeBuffer, GuideNode);
 REGULUS_BUFFER(PathBuffer, Path);
 REGULUS_BUFFER(HitBuffer, Hit);
 REGULUS_BUFFER(CandidateBuffer, VisibilityCandidate);

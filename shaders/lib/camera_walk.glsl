@@ -27,6 +27,11 @@ Weighted emission_towards(Frame frame, ShadingPoint point, Path path, PathHistor
   float pdf_connect = previous_choice_probability(frame, slot, point.surface.light, selection_pdf) / point.surface.area;
   float cos_light = abs(dot(path.direction, point.surface.geometric_normal));
   float pdf_emit = selection_pdf / point.surface.area * triangle_emission_pdf(point.material, cos_light);
+  if (has_light_guide()) {
+    bool is_two_sided = (point.material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    pdf_emit *= guided_share(frame, point.surface.light, selection_pdf,
+                             triangle_start(point.surface.geometric_normal, is_two_sided, -path.direction));
+  }
   return Weighted(radiance * hit_weight(frame, path, history, counts, pdf_connect, pdf_emit, EMITTER_BOUND), radiance);
 }
 

@@ -118,16 +118,30 @@ Emission emit_from_environment(Frame frame, Light light, vec2 u_direction, vec2 
   return emission;
 }
 
-// Chooses a light by its selection pdf, a point on it and a direction. u_light: light, alias, position; u: direction. (Of the
-// environment the position is a direction, and u places the ray.)
-Emission sample_emission(Frame frame, vec4 u_light, vec2 u) {
-  Light light = LOAD(LightBuffer, frame.lights, select_by_power(frame, u_light.xy));
+// A point of the light and a direction. start: position, direction. (Of the environment the position is a direction, and the
+// last two place the ray.)
+Emission emit_from(Frame frame, Light light, vec4 start) {
   const bool has_triangles = (spec_features & FEATURE_TRIANGLE_LIGHTS) != 0u;
   const bool has_punctual = (spec_features & (FEATURE_POINT_LIGHTS | FEATURE_DIRECTIONAL_LIGHTS)) != 0u;
-  if (is_environment(light)) return emit_from_environment(frame, light, u_light.zw, u);
+  if (is_environment(light)) return emit_from_environment(frame, light, start.xy, start.zw);
   if (has_triangles && (!has_punctual || light.kind == LIGHT_TRIANGLE))
-    return emit_from_triangle(frame, light, u_light.zw, u);
-  return emit_from_punctual(frame, light, u_light.zw, u);
+    return emit_from_triangle(frame, light, start.xy, start.zw);
+  return emit_from_punctual(frame, light, start.xy, start.zw);
+}
+
+// Chooses a light, a point on it and a direction. u_light: light, alias, position; u: direction.
+Emission sample_emission(Frame frame, vec4 u_light, vec2 u) {
+  uint index = select_emitter(frame, u_light.xy);
+  Light light = LOAD(LightBuffer, frame.lights, index);
+  if (!has_light_guide()) return emit_from(frame, light, vec4(u_light.zw, u));
+  GuidedLight guided = LOAD(GuidedLightBuffer, frame.guided_lights, index);
+  light.selection_pdf = guided.selection_pdf;
+  GuidedStart start = guide_start(frame, guided.root, vec4(u_light.zw, u));
+  Emission emission = emit_from(frame, light, start.numbers);
+  emission.throughput /= start.density;
+  emission.inverse_pdf /= start.density;
+  emission.hit_term /= start.density;
+  return emission;
 }
 
 #endif

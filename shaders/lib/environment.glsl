@@ -69,17 +69,38 @@ EnvironmentSample uniform_environment(Frame frame, vec3 direction) {
   return EnvironmentSample(direction, frame.environment.radiance, 0.25 * INV_PI);
 }
 
-// What the environment shows in a unit direction, and the pdf of drawing it.
-EnvironmentSample environment_at(Frame frame, vec3 direction) {
-  if ((spec_features & FEATURE_ENVIRONMENT_MAP) == 0u) return uniform_environment(frame, direction);
+// The cell of the map in which a unit direction lies, and the place in it.
+uvec2 environment_cell(Frame frame, vec3 direction, float sin_theta, out vec2 place) {
   vec2 size = vec2(frame.environment.width, frame.environment.height);
-  float sin_theta = length(direction.xz);
   vec2 turns = vec2(atan2_turns(direction.z, direction.x) + 0.5 + frame.environment.rotation,
                     2.0 * atan2_turns(sin_theta, direction.y));
   vec2 position = vec2(turns.x - floor(turns.x), turns.y) * size;
   uvec2 cell = min(uvec2(position), uvec2(size) - 1u);
-  vec3 radiance = environment_radiance(frame, cell, position - vec2(cell));
+  place = position - vec2(cell);
+  return cell;
+}
+
+// What the environment shows in a unit direction, and the pdf of drawing it.
+EnvironmentSample environment_at(Frame frame, vec3 direction) {
+  if ((spec_features & FEATURE_ENVIRONMENT_MAP) == 0u) return uniform_environment(frame, direction);
+  float sin_theta = length(direction.xz);
+  vec2 place;
+  uvec2 cell = environment_cell(frame, direction, sin_theta, place);
+  vec3 radiance = environment_radiance(frame, cell, place);
   return EnvironmentSample(direction, radiance, environment_pdf(frame, cell, sin_theta));
+}
+
+// The number from which invert_environment_cdf finds the place in a cell.
+float environment_number(Frame frame, uint first, uint cell, float place) {
+  return min(mix(environment_cdf(frame, first + cell), environment_cdf(frame, first + cell + 1u), place), ONE_MINUS_ULP);
+}
+
+// The numbers from which sample_environment makes a unit direction of an environment map.
+vec2 environment_map_numbers(Frame frame, vec3 direction) {
+  vec2 place;
+  uvec2 cell = environment_cell(frame, direction, length(direction.xz), place);
+  return vec2(environment_number(frame, environment_row(frame, cell.y), cell.x, place.x),
+              environment_number(frame, 0u, cell.y, place.y));
 }
 
 EnvironmentSample sample_environment(Frame frame, vec2 u) {

@@ -6,6 +6,7 @@
 #include "lib/coverage.glsl"
 #include "lib/environment.glsl"
 #include "lib/geometry.glsl"
+#include "lib/light_guide.glsl"
 #include "lib/light_tree.glsl"
 #include "lib/mis.glsl"
 #include "lib/sampling.glsl"
@@ -24,6 +25,7 @@ struct LightSample {
   bool is_delta;
   float bound;    // rho-bar of the light, see lib/history.glsl, 1/sr
   uint index;     // of the light
+  vec4 start;     // with a light guide: the numbers with which a light path would start towards the receiver
 };
 
 // rho-bar of lights: Lambertian emission, also of what is infinitely far away; a point light's is isotropic.
@@ -32,12 +34,22 @@ const float POINT_LIGHT_BOUND = 0.25 * INV_PI;
 
 float spot_bound(Light light) { return 0.5 * INV_PI / light.outer_height; }
 
-// Draws a light index in proportion to its selection_pdf (alias method, Vose 1991).
+// Draws a light index by a table of aliases (alias method, Vose 1991).
+uint select_from(DeviceAddress aliases, uint count, vec2 u) {
+  uint bucket = min(uint(u.x * float(count)), count - 1u);
+  LightAlias entry = LOAD(LightAliasBuffer, aliases, bucket);
+  return u.y < entry.threshold ? bucket : entry.alias;
+}
+
+// In proportion to its selection_pdf.
 uint select_by_power(Frame frame, vec2 u) {
   if ((spec_features & FEATURE_MANY_LIGHTS) == 0u) return 0u;
-  uint bucket = min(uint(u.x * float(frame.light_count)), frame.light_count - 1u);
-  LightAlias entry = LOAD(LightAliasBuffer, frame.light_aliases, bucket);
-  return u.y < entry.threshold ? bucket : entry.alias;
+  return select_from(frame.light_aliases, frame.light_count, u);
+}
+
+// The light at which a light path starts: by power, or as the guide says.
+uint select_emitter(Frame frame, vec2 u) {
+  return has_light_guide() ? select_from(frame.guided_light_aliases, frame.light_count, u) : select_by_power(frame, u);
 }
 
 // The light that next-event estimation samples. Selected by power, a light's own selection_pdf is its probability, and
@@ -118,12 +130,13 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   result.distance = length(to_light);
   result.wi = to_light / max(result.distance, 1e-30);
   float cos_light = -dot(point.normal, result.wi);
-  bool emits = cos_light > 0.0;
+  bool emits = cos_light > 0.0, is_two_sided = false;
   float emission_pdf = INV_PI * abs(cos_light);
   vec3 radiance = light.intensity;
   if ((spec_features & (FEATURE_TEXTURES | FEATURE_TWO_SIDED_LIGHTS | FEATURE_VERTEX_COLORS)) != 0u) {
     Material material = LOAD(MaterialBuffer, frame.materials, light.material);
-    emits = emits || (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    is_two_sided = (material.flags & MATERIAL_DOUBLE_SIDED) != 0u;
+    emits = emits || is_two_sided;
     emission_pdf = triangle_emission_pdf(material, abs(cos_light));
     radiance = emitted_radiance(frame, material, radiance, uv, vertex_color(frame, triangle, barycentrics));
   }
@@ -132,6 +145,7 @@ LightSample sample_triangle_light(Frame frame, Light light, vec3 from, vec2 u) {
   result.pdf = triangle_light_pdf(light.selection_pdf, light.area, result.distance, cos_light);
   result.target = offset_origin(point.position, point.clearance, point.normal, -result.wi);
   result.emission_ratio = emission_pdf / max(square(result.distance), 1e-30);
+  if (has_light_guide()) result.start = triangle_start(point.normal, is_two_sided, -result.wi);
   result.is_distant = false;
   result.is_delta = false;
   result.bound = EMITTER_BOUND;
@@ -148,6 +162,7 @@ LightSample sample_environment_light(Frame frame, Light light, vec3 from, vec2 u
   result.radiance = environment.radiance;
   result.pdf = environment.pdf * light.selection_pdf;
   result.emission_ratio = INV_PI / square(frame.scene_radius);
+  if (has_light_guide()) result.start = environment_start(frame, u, -result.wi, from);
   result.is_delta = false;
   result.bound = EMITTER_BOUND;
   return result;
@@ -165,6 +180,7 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
     result.radiance = light.intensity;
     result.distance = 0.0;
     result.emission_ratio = INV_PI / square(frame.scene_radius);
+    if (has_light_guide()) result.start = vec4(distant_numbers(frame, light.direction, from), 0.0, 0.0);
     result.target = from;
     return result;
   }
@@ -175,10 +191,12 @@ LightSample sample_punctual_light(Frame frame, Light light, vec3 from) {
   result.radiance = light.intensity / squared;
   if ((spec_features & FEATURE_LIGHT_RANGES) != 0u) result.radiance *= range_share(light, squared);
   result.emission_ratio = 0.25 * INV_PI / squared;
+  if (has_light_guide()) result.start = point_start(-result.wi);
   if (light.kind == LIGHT_SPOT) {
     float falloff = spot_falloff(light, -result.wi);
     result.radiance *= falloff;
     result.emission_ratio = 0.5 * INV_PI * falloff / (spot_mass(light).y * squared);
+    if (has_light_guide()) result.start = spot_start(light, spot_mass(light), -result.wi);
   }
   result.target = light.position;
   return result;
@@ -206,6 +224,7 @@ LightSample sample_light(Frame frame, LightReceiver receiver, vec4 u) {
   result = sample_point_of_light(frame, light, receiver.position, u.zw);
   result.index = choice.light;
   if (spec_light_sampling != LIGHT_SAMPLING_POWER) result.emission_ratio *= emission_selection_pdf / choice.probability;
+  if (has_light_guide()) result.emission_ratio *= guided_share(frame, choice.light, emission_selection_pdf, result.start);
   return result;
 }
 

@@ -39,20 +39,24 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
 }
 
 // p_connect / p_trace of the light where a light path starts (docs/mathematics.md 3.2), for its first vertex: how likely nee would
-// choose that light from there. Which light it is follows from the path's random numbers.
+// choose that light from there. Which light it is follows from the path's random numbers. (How a guide has moved the path's
+// start is in its accumulators already.)
 float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
-  if (spec_light_sampling == LIGHT_SAMPLING_POWER || (spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;
+  if ((spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;
+  if (spec_light_sampling == LIGHT_SAMPLING_POWER && !has_light_guide()) return 1.0;
   vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
-  uint light = select_by_power(frame, u.xy);
+  uint light = select_emitter(frame, u.xy);
   float selection_pdf = LOAD(LightBuffer, frame.lights, light).selection_pdf;
-  return choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
+  float ratio = choice_probability(frame, light_receiver(point), light, selection_pdf) / selection_pdf;
+  if (has_light_guide()) ratio *= selection_pdf / LOAD(GuidedLightBuffer, frame.guided_lights, light).selection_pdf;
+  return ratio;
 }
 
 // The share of a light's power that reaches the path's first vertex: less than 1 for a light of limited range.
 float first_range_share(Frame frame, Path path, float distance) {
   if ((spec_features & FEATURE_LIGHT_RANGES) == 0u) return 1.0;
   vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
-  return range_share(LOAD(LightBuffer, frame.lights, select_by_power(frame, u.xy)), square(distance));
+  return range_share(LOAD(LightBuffer, frame.lights, select_emitter(frame, u.xy)), square(distance));
 }
 
 // media: where the segment starts; edges: of the light path; trail: of the whole path, with its group; unweighted: the

@@ -25,6 +25,11 @@ void main() {
     float pdf_connect =
         environment.pdf * previous_choice_probability(frame, slot, frame.environment.light, selection_pdf);
     float pdf_emit = environment.pdf * selection_pdf * INV_PI / square(frame.scene_radius);
+    if (has_light_guide()) {
+      vec2 numbers = environment_numbers(frame, path.direction);
+      pdf_emit *= guided_share(frame, frame.environment.light, selection_pdf,
+                               environment_start(frame, numbers, -path.direction, path.origin));
+    }
     PathHistory history;
     if (has_histories()) {
       history = LOAD(PathHistoryBuffer, frame.path_histories, slot);

@@ -49,7 +49,7 @@ void main() {
   Emission emission = sample_emission(frame, u_light, u_direction.xy);
   uint trail = 0u;
   if (has_layers()) {
-    trail = group_trail(frame, select_by_power(frame, u_light.xy));
+    trail = group_trail(frame, select_emitter(frame, u_light.xy));
     STORE(WordBuffer, frame.path_trails, slot, trail);
   }
   connect_emitter_to_lens(frame, emission, light_path, iteration, trail);
@@ -66,7 +66,7 @@ void main() {
   path.bounce = 0u;
   path.medium = INVALID_INDEX;
   if (has_contacts()) {
-    uint light = select_by_power(frame, u_light.xy);
+    uint light = select_emitter(frame, u_light.xy);
     start_in_media(frame, LOAD(WordBuffer, frame.light_media, light), LOAD(LightBuffer, frame.lights, light).triangle,
                    sample_triangle(u_light.zw), slot, path);
   }

@@ -29,9 +29,9 @@ class Checked {
   explicit Checked(PreparedScene prepared) : Checked(std::move(prepared), settings()) {}
   Checked(PreparedScene prepared, const render::RenderSettings& settings)
       : prepared_(std::move(prepared)),
-        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
-               settings.has_energy_compensation),
         recorder_(*device(), prepared_, plan_recording(prepared_, settings), SIZE * SIZE),
+        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
+               settings.has_energy_compensation, recorder_.plan().light_guide),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
     reference_.width = reference_.height = SIZE;
     reference_.max_depth = recorder_.plan().max_depth;
@@ -78,8 +78,8 @@ class Checked {
   check::Subject subject() const { return {prepared_, world_, camera_, recorder_.plan(), reference_}; }
 
   PreparedScene prepared_;
-  reference::World world_;
   render::StageRecorder recorder_;
+  reference::World world_;
   reference::Camera camera_;
   reference::Settings reference_;
 };
@@ -124,6 +124,33 @@ TEST(DeviceStagesEnvironment, AgreeWithTheReference) {
     for (const float channel : {0.2F, 0.4F, 0.8F})
       sky.rgb.push_back(i == 5 * 32 + 20 ? 50 : i < 256 ? channel * static_cast<float>(i % 7) : 0);
   Checked checked(prepare(scene, sky, 40));
+  expect_agreement(checked);
+}
+
+// A light of every kind, far more of whose light is lost than is seen.
+PreparedScene guided_scene() {
+  GltfScene scene;
+  scene.add({quad({-20, 0, 20}, {40, 0, 0}, {0, 0, -40})}, lambert({0.7, 0.6, 0.5}));
+  scene.add(box({-0.6, 0, -0.4}, {-0.1, 0.7, 0.1}), plastic({0.3, 0.6, 0.4}, 0.5));
+  scene.add(box({0.2, 0.1, -0.2}, {0.6, 0.5, 0.2}), glass(1.5, 0, {0.5, 0.7, 0.9}));
+  scene.add({quad({-0.3, 1, 0.3}, {0.6, 0, 0}, {0, 0.1, -0.6})}, emitter({2, 2, 1}, true));
+  scene.add({quad({-1.5, 1, -1.3}, {0.1, 0.5, 0}, {0, 0.5, 0.1})}, emitter({20, 10, 1}));
+  scene.add_point_light({3, 2, 1}, {5, 3, 4});
+  scene.add_spot_light({1, 4, 1}, {-0.3, -1, -0.4}, 20, 0.2, 1.2);
+  scene.add_directional_light({0.4, -1, -0.3}, 2);
+  scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.9);
+  image::Image sky{32, 16, {}};
+  for (uint32_t i = 0; i < 32 * 16; ++i)
+    for (const float channel : {0.2F, 0.4F, 0.8F})
+      sky.rgb.push_back(i == 5 * 32 + 20 ? 50 : i < 256 ? channel * static_cast<float>(i % 7) : 0);
+  return prepare(scene, sky, 40);
+}
+
+TEST(DeviceStagesGuided, AgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  render::RenderSettings settings = Checked::settings();
+  settings.light_guide = LIGHT_GUIDE_ON;
+  Checked checked(guided_scene(), settings);
   expect_agreement(checked);
 }
 
@@ -324,10 +351,10 @@ class CheckedConnections {
  public:
   CheckedConnections(PreparedScene prepared, const render::RenderSettings& settings)
       : prepared_(std::move(prepared)),
-        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
-               settings.has_energy_compensation),
         recorder_(*device(), prepared_, plan_recording(prepared_, settings, *settings.techniques),
                   SIZE * SIZE),
+        world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
+               settings.has_energy_compensation, recorder_.plan().light_guide),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE),
         reference_(render::reference_settings(recorder_.plan())) {}
 
@@ -362,8 +389,8 @@ class CheckedConnections {
   static constexpr uint32_t SIZE = 32, SAMPLE = 2;
 
   PreparedScene prepared_;
-  reference::World world_;
   render::StageRecorder recorder_;
+  reference::World world_;
   reference::Camera camera_;
   reference::Settings reference_;
 };
@@ -496,6 +523,19 @@ GltfScene sunlit_room() {
   scene.add_directional_light({0.4, -1, -0.3}, 2);
   scene.set_perspective(look_at({0, 1.2, 2.2}, {0, 0.2, 0}), 0.9);
   return scene;
+}
+
+// With a choice by nee that knows the surface, and by power; regularized and not.
+TEST(DeviceConnections, GuidedAgreeWithTheReference) {
+  REGULUS_SKIP_WITHOUT_DEVICE();
+  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  for (const bool is_regularized : {false, true}) {
+    render::RenderSettings settings = CheckedConnections::settings(
+        is_regularized ? ON | REGULARIZATION_DIFFUSION : uint32_t{REGULARIZATION_NONE});
+    settings.light_guide = LIGHT_GUIDE_ON;
+    settings.light_sampling = is_regularized ? LIGHT_SAMPLING_BVH : LIGHT_SAMPLING_POWER;
+    expect_agreement(guided_scene(), settings);
+  }
 }
 
 TEST(DeviceConnections, RegularizedTwiceByQualityAgreeWithTheReference) {

@@ -1,0 +1,24 @@
+// Whether light paths are guided, and by what: `--guide-light`.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "prepared/prepared_scene.hpp"
+#include "render/settings.hpp"
+#include "scene/light_guide.hpp"
+
+namespace regulus::render {
+
+/// What was chosen and why.
+struct LightGuideChoice {
+  std::shared_ptr<const scene::LightGuide> guide;  ///< null: light paths start by power
+  std::string why;
+};
+
+/// Trains a guide by the reference (probe/light_guide.hpp); with LIGHT_GUIDE_AUTO it is taken only if it
+/// promises enough. A function of the scene, the camera, the film's shape and what the settings say of paths
+/// and lobes; not of samples, crop, seed or machine, so that parts of one render agree.
+LightGuideChoice choose_light_guide(const PreparedScene& prepared, const RenderSettings& settings);
+
+}  // namespace regulus::render

@@ -1,0 +1,151 @@
+// Guided emission changes no picture's mean: guided sets of techniques against path tracing, which has no
+// light paths, with a guide of the scene, with one of another camera, and with one that points anywhere.
+#include <gtest/gtest.h>
+
+#include "images/support/comparison.hpp"
+#include "images/support/render_scene.hpp"
+#include "images/support/room.hpp"
+#include "probe/guide_tree.hpp"
+#include "support/device.hpp"
+#include "support/random.hpp"
+
+namespace regulus::test {
+namespace {
+
+using namespace interface;
+using render::RenderSettings;
+
+constexpr int BATCHES = 11;
+constexpr uint32_t SIZE = 16;
+constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
+constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+
+// A room with a light of every kind: lamps in it and before its window, a sun and a sky behind that. Much of
+// the light of all but the lamps is lost outside.
+PreparedScene room_of_all_lights() {
+  GltfScene scene;
+  const nlohmann::json white = lambert({0.7, 0.7, 0.7});
+  const Polygons walls = turned(box({-1, -1, -1}, {1, 1, 1}));
+  for (const size_t wall : {0u, 1u, 2u, 4u, 5u})
+    scene.add({walls[wall]}, wall == 2 ? plastic({0.4, 0.4, 0.6}, 0.5) : white);
+  scene.add({quad({-1, 1, -1}, {2, 0, 0}, {0, 0, 0.6}), quad({-1, 1, 0.2}, {2, 0, 0}, {0, 0, 0.8})}, white);
+  scene.add(box({-0.6, -1, -0.5}, {-0.1, -0.4, 0}), metal({0.9, 0.7, 0.4}, 0.6));
+  scene.add(box({0.2, -0.9, -0.3}, {0.6, -0.6, 0.2}), glass(1.5, 0.6));
+  scene.add({quad({-0.2, 0.2, -0.999}, {0.4, 0, 0}, {0, 0.2, 0})}, emitter({1, 0.5, 0.5}));
+  scene.add({quad({-0.3, 1.6, -0.4}, {0.3, 0.1, 0}, {0, 0, 0.3})}, emitter({2, 4, 3}, true));
+  scene.add({quad({-4, -1, 3}, {0, 0, 2}, {2, 0, 0})}, white);  // the scene is larger than the room
+  scene.add_point_light({0.4, 1.3, -0.2}, {0.8, 0.9, 1.2});
+  scene.add_spot_light({-0.6, 0.7, 0.4}, {0.3, -1, -0.4}, 0.8, 0.2, 0.7);
+  scene.add_directional_light({0.1, -1, 0.05}, 1.5);
+  scene.set_perspective(look_at({0, -0.2, 0.95}, {0, -1, -0.6}), 0.85);
+  image::Image sky{16, 8, {}};
+  for (uint32_t i = 0; i < 16 * 8; ++i)
+    for (const double channel : {0.4, 0.6, 1.0})
+      sky.rgb.push_back(static_cast<float>(i == 2 * 16 + 5 ? 40 : i < 64 ? channel * (1 + i % 3) : 0.1));
+  return prepare(scene, sky, 25);
+}
+
+RenderSettings settings_of(uint32_t techniques) {
+  RenderSettings settings = box_filtered(SIZE, SIZE, 24, 5);
+  settings.techniques = techniques;
+  if ((techniques & TECHNIQUE_MERGE) != 0) {
+    settings.light_paths = 2048;
+    settings.merge_radius = 0.02f;
+    settings.merge_reduction = 0;
+  }
+  return settings;
+}
+
+// Whatever it was made for, a guide leaves all light some share.
+std::shared_ptr<const scene::LightGuide> wrong_guide(const PreparedScene& prepared) {
+  Random random(400);
+  std::vector<probe::Deposit> deposits;
+  for (uint32_t light = 0; light < prepared.scene.lights.size(); ++light) {
+    const glm::dvec4 corner(0.5 * random.square(), 0.5 * random.square());
+    for (int i = 0; i < 2000; ++i) {
+      probe::Deposit deposit{light, {}, 1};
+      for (size_t axis = 0; axis < 4; ++axis)
+        deposit.cell[axis] = static_cast<uint16_t>((corner[static_cast<int>(axis)] + random.uniform(0, 0.4)) *
+                                                   (1u << GUIDE_HALVINGS));
+      deposits.push_back(deposit);
+    }
+  }
+  return std::make_shared<scene::LightGuide>(probe::make_light_guide(prepared.scene, deposits));
+}
+
+class GuidedEmission : public testing::Test {
+ protected:
+  void SetUp() override {
+    REGULUS_SKIP_WITHOUT_DEVICE();
+    if (is_slow_device()) GTEST_SKIP() << "slow device";
+    prepared_ = room_of_all_lights();
+  }
+
+  /// Renders that differ in their seed alone, all with the same guide.
+  std::vector<image::Image> batches(uint32_t techniques, std::shared_ptr<const scene::LightGuide> guide,
+                                    uint32_t stream) const {
+    std::vector<image::Image> result;
+    RenderSettings settings = settings_of(techniques);
+    for (int i = 0; i < BATCHES; ++i) {
+      settings.seed = static_cast<uint32_t>(base_seed() + 1000 * stream) + static_cast<uint32_t>(i);
+      render::Plan plan = make_plan(prepared_, settings);
+      plan.light_guide = guide;
+      render::Renderer renderer(*device(), prepared_, plan);
+      renderer.render([](uint64_t, uint64_t) { return true; });
+      EXPECT_EQ(renderer.statistics().non_finite, 0u);
+      result.push_back(resolve(renderer.film()));
+    }
+    return result;
+  }
+
+  void expect_sets_agree(const char* name, const std::shared_ptr<const scene::LightGuide>& guide,
+                         const std::vector<std::pair<const char*, uint32_t>>& sets, uint32_t stream) const {
+    ASSERT_TRUE(guide);
+    const std::vector<image::Image> known = batches(PT, nullptr, stream++);
+    for (const auto& [set, techniques] : sets) {
+      ComparisonOptions options;
+      // A merge averages over its disk, which matters near edges and corners.
+      if ((techniques & TECHNIQUE_MERGE) != 0) options.relative_tolerance = 3e-3;
+      expect_equal((std::string(name) + ", " + set).c_str(), batches(techniques, guide, stream++), known,
+                   options);
+    }
+  }
+
+  PreparedScene prepared_;
+};
+
+TEST_F(GuidedEmission, KeepsTheMean) {
+  RenderSettings settings = settings_of(VCM);
+  settings.light_guide = LIGHT_GUIDE_ON;
+  const render::Plan plan = make_plan(prepared_, settings);
+  std::printf("%s\n", plan.light_guide_rule.c_str());
+  expect_sets_agree("own guide", plan.light_guide,
+                    {{"bpt", BPT},
+                     {"vcm", VCM},
+                     {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT},
+                     {"hit, merge", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE}},
+                    410);
+}
+
+TEST_F(GuidedEmission, KeepsTheMeanWithAGuideThatPointsAnywhere) {
+  expect_sets_agree("wrong guide", wrong_guide(prepared_),
+                    {{"bpt", BPT}, {"vcm", VCM}, {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT}}, 420);
+}
+
+// What `auto` and `on` come to, and what they leave alone.
+TEST_F(GuidedEmission, IsDoneWhereThereAreLightPaths) {
+  RenderSettings settings = settings_of(PT);
+  settings.light_guide = LIGHT_GUIDE_ON;
+  const render::Plan plain = make_plan(prepared_, settings);
+  EXPECT_FALSE(plain.light_guide);
+  EXPECT_NE(plain.why_dropped("guided emission"), nullptr);
+  settings.light_guide = LIGHT_GUIDE_AUTO;
+  EXPECT_EQ(make_plan(prepared_, settings).why_dropped("guided emission"), nullptr);
+  settings = settings_of(BPT);
+  EXPECT_FALSE(make_plan(prepared_, settings).light_guide);
+  EXPECT_EQ(make_plan(prepared_, settings).light_guide_rule, "");
+}
+
+}  // namespace
+}  // namespace regulus::test
