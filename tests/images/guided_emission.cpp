@@ -1,5 +1,5 @@
 // Guided emission changes no picture's mean: guided sets of techniques against path tracing, which has no
-// light paths, with a guide of the scene, with one of another camera, and with one that points anywhere.
+// light paths, with the scene's own guide and with one that points anywhere.
 #include <gtest/gtest.h>
 
 #include "images/support/comparison.hpp"
@@ -124,7 +124,7 @@ TEST_F(GuidedEmission, KeepsTheMean) {
                     {{"bpt", BPT},
                      {"vcm", VCM},
                      {"nee, splat", TECHNIQUE_NEE | TECHNIQUE_SPLAT},
-                     {"hit, merge", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE}},
+                     {"hit, nee, merge", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE}},
                     410);
 }
 
