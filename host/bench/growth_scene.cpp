@@ -10,7 +10,7 @@
 namespace regulus::bench {
 namespace {
 
-using nlohmann::json;
+using Json = nlohmann::json;
 
 constexpr double EXTENT = 12, LAMP_HEIGHT = 4;
 
@@ -19,7 +19,7 @@ class File {
  public:
   File() {
     gltf_ = {{"asset", {{"version", "2.0"}}}, {"scene", 0}};
-    for (const char* list : {"nodes", "meshes", "accessors", "bufferViews"}) gltf_[list] = json::array();
+    for (const char* list : {"nodes", "meshes", "accessors", "bufferViews"}) gltf_[list] = Json::array();
   }
 
   uint32_t point(const glm::vec3& position) {
@@ -47,11 +47,11 @@ class File {
     corners_.clear();
     return gltf_["meshes"].size() - 1;
   }
-  void node(json node) { gltf_["nodes"].push_back(std::move(node)); }
-  json& gltf() { return gltf_; }
+  void node(Json node) { gltf_["nodes"].push_back(std::move(node)); }
+  Json& gltf() { return gltf_; }
 
   std::filesystem::path write(const std::filesystem::path& folder) {
-    json nodes = json::array();
+    Json nodes = Json::array();
     for (size_t i = 0; i < gltf_["nodes"].size(); ++i) nodes.push_back(i);
     gltf_["scenes"] = {{{"nodes", nodes}}};
     gltf_["buffers"] = {{{"byteLength", bytes_.size()}, {"uri", "growth.bin"}}};
@@ -75,7 +75,7 @@ class File {
     return gltf_["accessors"].size() - 1;
   }
 
-  json gltf_;
+  Json gltf_;
   std::vector<char> bytes_;
   std::vector<glm::vec3> positions_;
   std::vector<uint32_t> corners_;
