@@ -334,6 +334,7 @@ std::vector<Part> join_parts(std::vector<Part> parts, std::vector<Part>& inverte
   for (Part& part : parts)
     (part.solid.is_closed && part.solid.volume > 0 ? solids : rest).push_back(std::move(part));
   std::vector<Part*> around;  // before cavities take from their volumes
+  around.reserve(rest.size());
   for (const Part& part : rest)
     around.push_back(part.solid.is_closed ? smallest_around(solids, part) : nullptr);
   for (size_t i = 0; i < rest.size(); ++i) {

@@ -106,6 +106,7 @@ std::vector<float> sampled_bends() {
   }();
   constexpr int COUNT = 5;
   std::vector<float> bends;
+  bends.reserve(COUNT);
   for (int i = 0; i < COUNT; ++i)
     bends.push_back(std::lerp(ENDS[0], ENDS[1], static_cast<float>(i) / (COUNT - 1)));
   return bends;
