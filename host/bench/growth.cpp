@@ -14,6 +14,7 @@
 #include "prepared/prepared_scene.hpp"
 #include "render/plan.hpp"
 #include "render/renderer.hpp"
+#include "render/technique_sets.hpp"
 
 namespace regulus::bench {
 namespace {
@@ -21,8 +22,7 @@ namespace {
 using namespace interface;
 using Points = std::vector<std::pair<double, double>>;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE, BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT,
-                   VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 /// One render of a sweep.
 struct Case {

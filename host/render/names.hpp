@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "interface/wavefront.h"
+#include "render/technique_sets.hpp"
 
 namespace regulus::render {
 
@@ -28,13 +29,12 @@ inline constexpr std::array<Name, 5> TECHNIQUES = {{{"hit", TECHNIQUE_HIT},
                                                     {"connect", TECHNIQUE_CONNECT},
                                                     {"merge", TECHNIQUE_MERGE}}};
 /// Named sets of techniques; no technique: those that suit the scene.
-inline constexpr std::array<Name, 6> INTEGRATORS = {
-    {{"auto", 0},
-     {"pt", TECHNIQUE_HIT | TECHNIQUE_NEE},
-     {"lt", TECHNIQUE_SPLAT},
-     {"bpt", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT},
-     {"bpm", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_MERGE},
-     {"vcm", TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE}}};
+inline constexpr std::array<Name, 6> INTEGRATORS = {{{"auto", 0},
+                                                     {"pt", technique_sets::PT},
+                                                     {"lt", technique_sets::LT},
+                                                     {"bpt", technique_sets::BPT},
+                                                     {"bpm", technique_sets::BPM},
+                                                     {"vcm", technique_sets::VCM}}};
 inline constexpr std::array<Name, 4> LIGHT_SAMPLING = {{{"auto", LIGHT_SAMPLING_AUTO},
                                                         {"bvh", LIGHT_SAMPLING_BVH},
                                                         {"power", LIGHT_SAMPLING_POWER},

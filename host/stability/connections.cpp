@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/technique_sets.hpp"
 #include "stability/families.hpp"
 #include "stability/stage.hpp"
 
@@ -15,8 +16,7 @@ using namespace interface;
 namespace {
 
 constexpr double PI = std::numbers::pi;
-constexpr uint32_t VCM =
-    TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 SweepText text_of(const char* name, const char* parameter, std::string bound, double own,
                   double floor = 1e-30) {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/technique_sets.hpp"
 #include "stability/families.hpp"
 #include "stability/stage.hpp"
 
@@ -17,7 +18,7 @@ using namespace interface;
 namespace {
 
 constexpr double PI = std::numbers::pi;
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
+using namespace technique_sets;
 
 /// The plane z = 0, 6 m wide.
 constexpr double ALBEDO = 0.5;

@@ -6,6 +6,7 @@
 #include "images/support/render_scene.hpp"
 #include "render/aov.hpp"
 #include "render/noise.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -214,7 +215,7 @@ TEST_F(Aovs, VarianceIsTheSpreadOfIndependentRenders) {
   scene.add({quad({-0.5, 1.5, -0.5}, {1, 0, 0}, {0, 0, 1})}, emitter({10, 10, 10}));
   scene.set_perspective(look_at({0, 1, 0}, {0, 0, 0.001}), 1.0);
   const PreparedScene prepared = prepare(scene);
-  constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
+  using namespace technique_sets;
   for (const uint32_t techniques :
        {PT, PT | interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE}) {
     constexpr int RENDERS = 12;

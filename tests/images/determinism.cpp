@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "images/support/render_scene.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -65,9 +66,7 @@ std::vector<uint32_t> sum(const std::vector<uint32_t>& a, const std::vector<uint
 // than were expected.
 TEST_F(Determinism, WaveSizeDoesNotChangeAnyBitWithLightSubpaths) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
-  constexpr uint32_t BPT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT |
-                           interface::TECHNIQUE_CONNECT;
-  constexpr uint32_t VCM = BPT | interface::TECHNIQUE_MERGE;
+  using namespace technique_sets;
   for (const auto& [techniques, cache_connections] : {std::pair(BPT, 0u), std::pair(VCM, 2u)}) {
     RenderSettings whole = settings();
     whole.samples = 3;
@@ -147,9 +146,7 @@ TEST_F(Determinism, AStoppedRenderHoldsWholeSamplesOfTheFirstPixels) {
         << "pixel " << pixel;
 }
 
-constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
-constexpr uint32_t VCM =
-    PT | interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 // A floor under a lamp: few kernels, which take longer to compile than to run.
 PreparedScene lamp_over_floor() {

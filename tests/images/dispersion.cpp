@@ -9,6 +9,7 @@
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
 #include "reference/wavelength.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 #include "support/standard_observer.hpp"
 
@@ -19,9 +20,7 @@ using glm::dvec3;
 using render::RenderSettings;
 using namespace interface;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 class Dispersion : public testing::Test {
  protected:

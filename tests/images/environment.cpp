@@ -9,6 +9,7 @@
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
 #include "render/stage_recorder.hpp"
+#include "render/technique_sets.hpp"
 #include "support/chi_square.hpp"
 #include "support/device.hpp"
 #include "support/random.hpp"
@@ -21,9 +22,7 @@ using render::RenderSettings;
 using std::numbers::pi;
 
 constexpr int BATCHES = 11;
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 const glm::dvec3 SKY(0.5, 1, 2);
 
 struct NamedSet {

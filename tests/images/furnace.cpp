@@ -5,6 +5,7 @@
 
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -150,8 +151,7 @@ TEST_F(Furnace, CameraAndLightPathsAgreeUnderEnergyCompensation) {
   built.add_point_light({0.3, 0.2, 1.2}, {1, 1, 1});
   built.set_perspective(look_at({1.5, 0.5, 3}, {0, 0, 0.5}), 0.8);
   const PreparedScene scene = prepare(built);
-  constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE,
-                     LT = interface::TECHNIQUE_SPLAT;
+  using namespace technique_sets;
   double means[2][3], errors[2][3];
   for (int side = 0; side < 2; ++side) {
     render::RenderSettings settings = box_filtered(24, 24, 256, 4);

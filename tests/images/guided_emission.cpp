@@ -6,6 +6,7 @@
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
 #include "probe/guide_tree.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 #include "support/random.hpp"
 
@@ -17,9 +18,7 @@ using render::RenderSettings;
 
 constexpr int BATCHES = 11;
 constexpr uint32_t SIZE = 16;
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 // A room with a light of every kind: lamps in it and before its window, a sun and a sky behind that. Much of
 // the light of all but the lamps is lost outside.

@@ -8,6 +8,7 @@
 #include "images/support/copies.hpp"
 #include "images/support/media_cases.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -15,8 +16,7 @@ namespace {
 
 using namespace interface;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE, LT = TECHNIQUE_SPLAT,
-                   BPT = PT | LT | TECHNIQUE_CONNECT, VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 /// By who traces the rays: RAYS_HOST, RAYS_HARDWARE.
 class TracedBy : public testing::TestWithParam<uint32_t> {

@@ -10,6 +10,7 @@
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 #include "support/random.hpp"
 
@@ -22,9 +23,7 @@ using render::RenderSettings;
 constexpr int BATCHES = 11;
 constexpr uint32_t SIZE = 16;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 struct NamedSet {
   const char* name;

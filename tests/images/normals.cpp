@@ -11,6 +11,7 @@
 #include "images/support/room.hpp"
 #include "interface/wavefront.h"
 #include "reference/world.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -19,8 +20,7 @@ namespace {
 using namespace interface;
 using glm::dvec3;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t VCM = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 class Normals : public testing::Test {
  protected:

@@ -9,6 +9,7 @@
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -17,9 +18,7 @@ namespace {
 using namespace interface;
 using render::RenderSettings;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t VCM = BPT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 class Regularization : public testing::Test {
  protected:

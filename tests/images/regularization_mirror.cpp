@@ -7,6 +7,7 @@
 
 #include "images/support/comparison.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -16,7 +17,7 @@ using namespace interface;
 using render::RenderSettings;
 
 constexpr double PI = std::numbers::pi;
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
+using namespace technique_sets;
 
 class OneMirror : public testing::Test {
  protected:

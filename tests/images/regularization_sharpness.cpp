@@ -10,6 +10,7 @@
 
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -18,8 +19,7 @@ namespace {
 using namespace interface;
 using render::RenderSettings;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+using namespace technique_sets;
 /// Finds caustics that the camera sees directly, with fewer kernels to compile.
 constexpr uint32_t SPLATS = PT | TECHNIQUE_SPLAT;
 

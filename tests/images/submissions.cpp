@@ -4,6 +4,7 @@
 
 #include "gpu/faults.hpp"
 #include "images/support/render_scene.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -12,9 +13,7 @@ namespace {
 using namespace interface;
 using render::RenderSettings;
 
-constexpr uint32_t PT = TECHNIQUE_HIT | TECHNIQUE_NEE;
-constexpr uint32_t BPT = PT | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
-constexpr uint32_t BPM = PT | TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 class Submissions : public testing::Test {
  protected:

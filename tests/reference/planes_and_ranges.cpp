@@ -9,6 +9,7 @@
 #include "images/support/render_scene.hpp"
 #include "images/support/room.hpp"
 #include "render/aov.hpp"
+#include "render/technique_sets.hpp"
 #include "support/device.hpp"
 
 namespace regulus::test {
@@ -174,7 +175,7 @@ TEST_F(PlanesAndRanges, TechniquesAgreeOnALightOfLimitedRange) {
   };
   const auto known = batches(TECHNIQUE_NEE, 11);
   EXPECT_GT(mean_of(known[0])[0], 0.01);
-  constexpr uint32_t BPT = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
+  using namespace technique_sets;
   expect_equal("limited range, lt", batches(TECHNIQUE_SPLAT, 12), known);
   expect_equal("limited range, bpt", batches(BPT, 13), known);
   ComparisonOptions options;

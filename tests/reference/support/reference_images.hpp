@@ -6,6 +6,7 @@
 #include "image/image.hpp"
 #include "images/support/prepared_scene.hpp"
 #include "reference/renderer.hpp"
+#include "render/technique_sets.hpp"
 
 namespace regulus::test {
 
@@ -27,9 +28,6 @@ struct NamedTechniques {
   const char* name;
   uint32_t bits;
 };
-inline constexpr uint32_t PT = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
-inline constexpr uint32_t BPT = PT | interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT;
-inline constexpr uint32_t BPM = PT | interface::TECHNIQUE_MERGE;
-inline constexpr uint32_t VCM = BPT | interface::TECHNIQUE_MERGE;
+using namespace technique_sets;
 
 }  // namespace regulus::test
