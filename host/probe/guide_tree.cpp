@@ -79,7 +79,7 @@ class Tree {
     const auto next = static_cast<uint32_t>(nodes_.size());
     const auto share = static_cast<float>(lower_mass / (lower_mass + upper_mass));
     nodes_[index] = {std::clamp(share, LEAST_SHARE, 1 - LEAST_SHARE),
-                     next << 2 | static_cast<uint32_t>(*axis)};
+                     next << GUIDE_AXIS_BITS | static_cast<uint32_t>(*axis)};
     nodes_.insert(nodes_.end(), 2, {1, GUIDE_LEAF});
     Halvings further = halvings;
     ++further[*axis];
@@ -229,10 +229,10 @@ double share_of_start(const scene::Scene& scene, const scene::LightGuide& guide,
   uint32_t index = light.root;
   while (guide.nodes[index].next != GUIDE_LEAF) {
     const GuideNode node = guide.nodes[index];
-    const size_t axis = node.next & 3;
+    const size_t axis = node.next & GUIDE_AXIS_MASK;
     const bool is_upper = is_in_upper_half(deposit, axis, halvings[axis]++);
     share *= 2 * (is_upper ? 1 - double{node.first_share} : double{node.first_share});
-    index = (node.next >> 2) + (is_upper ? 1 : 0);
+    index = (node.next >> GUIDE_AXIS_BITS) + (is_upper ? 1 : 0);
   }
   return share;
 }

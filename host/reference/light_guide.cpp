@@ -93,12 +93,12 @@ double guide_density(const scene::LightGuide& guide, uint32_t light, const dvec4
   double share = 1;
   uint32_t index = guide.lights[light].root;
   for (const GuideNode* node = &guide.nodes[index]; node->next != GUIDE_LEAF; node = &guide.nodes[index]) {
-    const auto axis = static_cast<int>(node->next & 3);
+    const auto axis = static_cast<int>(node->next & GUIDE_AXIS_MASK);
     const double middle = (lower[axis] + upper[axis]) / 2;
     const bool is_lower = numbers[axis] < middle;
     (is_lower ? upper : lower)[axis] = middle;
     share *= is_lower ? double{node->first_share} : 1 - double{node->first_share};
-    index = (node->next >> 2) + (is_lower ? 0 : 1);
+    index = (node->next >> GUIDE_AXIS_BITS) + (is_lower ? 0 : 1);
   }
   const dvec4 size = upper - lower;
   return share / (size.x * size.y * size.z * size.w);
@@ -112,12 +112,12 @@ dvec4 guide_start(const scene::LightGuide& guide, uint32_t light, const dvec4& u
   const glm::vec4 number(u);
   uint32_t index = guide.lights[light].root;
   for (const GuideNode* node = &guide.nodes[index]; node->next != GUIDE_LEAF; node = &guide.nodes[index]) {
-    const auto axis = static_cast<int>(node->next & 3);
+    const auto axis = static_cast<int>(node->next & GUIDE_AXIS_MASK);
     const float middle = first[axis] + node->first_share * (last[axis] - first[axis]);
     const bool is_lower = number[axis] < middle;
     (is_lower ? last : first)[axis] = middle;
     (is_lower ? upper : lower)[axis] = (lower[axis] + upper[axis]) / 2;
-    index = (node->next >> 2) + (is_lower ? 0 : 1);
+    index = (node->next >> GUIDE_AXIS_BITS) + (is_lower ? 0 : 1);
   }
   const dvec4 place = (u - dvec4(first)) / (dvec4(last) - dvec4(first));
   return lower + (upper - lower) * clamp(place, 0.0, BELOW_ONE);

@@ -227,10 +227,12 @@ struct GuidedLight {
 REGULUS_LAYOUT(GuidedLight, 8);
 struct GuideNode {
   float first_share;  // of the lower half, in (0, 1)
-  uint next;          // node of the lower half << 2 | axis; the upper half's follows it. GUIDE_LEAF: the box is not halved
+  uint next;          // node of the lower half << GUIDE_AXIS_BITS | axis; the upper half's follows. GUIDE_LEAF: not halved
 };
 REGULUS_LAYOUT(GuideNode, 8);
 REGULUS_CONSTANT GUIDE_LEAF = 0xFFFFFFFFu;
+REGULUS_CONSTANT GUIDE_AXIS_BITS = 2u;
+REGULUS_CONSTANT GUIDE_AXIS_MASK = 3u;
 REGULUS_CONSTANT GUIDE_HALVINGS = 10u;                    // of one axis at most
 REGULUS_CONSTANT GUIDE_DEPTH = 4u * GUIDE_HALVINGS + 1u;  // nodes on the way to a leaf, at most
 

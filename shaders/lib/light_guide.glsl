@@ -26,6 +26,11 @@ float last_of_lower(float first, float last, float share) {
   return middle;
 }
 
+// Density of a half over that of the box.
+float density_of_half(GuideNode node, bool is_lower) { return 2.0 * (is_lower ? node.first_share : 1.0 - node.first_share); }
+
+uint node_of_half(GuideNode node, bool is_lower) { return (node.next >> GUIDE_AXIS_BITS) + (is_lower ? 0u : 1u); }
+
 GuidedStart guide_start(Frame frame, uint root, vec4 u) {
   vec4 corner = vec4(0.0), size = vec4(1.0);  // of the box
   vec4 first = vec4(0.0), last = vec4(1.0);   // of the numbers that lead into it
@@ -34,7 +39,7 @@ GuidedStart guide_start(Frame frame, uint root, vec4 u) {
   for (uint depth = 0u; depth < GUIDE_DEPTH; ++depth) {
     GuideNode node = LOAD(GuideNodeBuffer, frame.guide_nodes, index);
     if (node.next == GUIDE_LEAF) break;
-    uint axis = node.next & 3u;
+    uint axis = node.next & GUIDE_AXIS_MASK;
     float middle = last_of_lower(first[axis], last[axis], node.first_share);
     bool is_lower = u[axis] < middle;
     size[axis] *= 0.5;
@@ -44,8 +49,8 @@ GuidedStart guide_start(Frame frame, uint root, vec4 u) {
       first[axis] = middle;
       corner[axis] += size[axis];
     }
-    density *= 2.0 * (is_lower ? node.first_share : 1.0 - node.first_share);
-    index = (node.next >> 2u) + (is_lower ? 0u : 1u);
+    density *= density_of_half(node, is_lower);
+    index = node_of_half(node, is_lower);
   }
   return GuidedStart(corner + size * min((u - first) / (last - first), ONE_MINUS_ULP), density);
 }
@@ -57,12 +62,12 @@ float guide_density(Frame frame, uint root, vec4 start) {
   for (uint depth = 0u; depth < GUIDE_DEPTH; ++depth) {
     GuideNode node = LOAD(GuideNodeBuffer, frame.guide_nodes, index);
     if (node.next == GUIDE_LEAF) break;
-    uint axis = node.next & 3u;
+    uint axis = node.next & GUIDE_AXIS_MASK;
     float place = 2.0 * start[axis];
     bool is_lower = place < 1.0;
     start[axis] = is_lower ? place : place - 1.0;
-    density *= 2.0 * (is_lower ? node.first_share : 1.0 - node.first_share);
-    index = (node.next >> 2u) + (is_lower ? 0u : 1u);
+    density *= density_of_half(node, is_lower);
+    index = node_of_half(node, is_lower);
   }
   return density;
 }

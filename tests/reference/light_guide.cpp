@@ -127,7 +127,8 @@ void for_each_leaf(const scene::LightGuide& guide, uint32_t node, const Box& box
   const GuideNode& at = guide.nodes[node];
   if (at.next == GUIDE_LEAF) return visit(box);
   for (uint32_t i = 0; i < 2; ++i)
-    for_each_leaf(guide, (at.next >> 2) + i, box.half(static_cast<int>(at.next & 3), i == 1), visit);
+    for_each_leaf(guide, (at.next >> GUIDE_AXIS_BITS) + i,
+                  box.half(static_cast<int>(at.next & GUIDE_AXIS_MASK), i == 1), visit);
 }
 
 /// Number of the leaf, as for_each_leaf() counts them, and the box.
