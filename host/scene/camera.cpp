@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene/film_limits.hpp"
 #include "scene/scene.hpp"
 
 namespace regulus::scene {
@@ -14,7 +15,6 @@ glm::dvec3 unit_or(const glm::dvec3& vector, const glm::dvec3& otherwise) {
 }
 
 constexpr float DEFAULT_WIDTH = 1280;
-constexpr float MOST_ROWS = 32768;  // of a camera of whatever shape
 
 }  // namespace
 
@@ -22,7 +22,8 @@ glm::uvec2 default_film_size(const Scene& scene, uint32_t camera) {
   if (scene.resolution) return *scene.resolution;
   const float aspect = scene.cameras[camera].aspect_ratio;
   if (!(aspect > 0)) return {1280, 720};
-  return {1280, static_cast<uint32_t>(std::clamp(std::round(DEFAULT_WIDTH / aspect), 1.0f, MOST_ROWS))};
+  return {1280, static_cast<uint32_t>(
+                    std::clamp(std::round(DEFAULT_WIDTH / aspect), 1.0f, static_cast<float>(MAX_FILM_SIDE)))};
 }
 
 interface::Camera make_camera(const SceneCamera& camera, uint32_t width, uint32_t height) {

@@ -15,6 +15,7 @@
 #include "scene/document.hpp"
 #include "scene/emitter_overlap.hpp"
 #include "scene/environment_file.hpp"
+#include "scene/film_limits.hpp"
 #include "scene/geometry.hpp"
 #include "scene/image_based_light.hpp"
 #include "scene/instancing.hpp"
@@ -34,9 +35,6 @@ namespace regulus::scene {
 namespace {
 
 using nlohmann::json;
-
-// That of --size: paths hold the numbers of 2^30 pixels (PATH_NUMBER).
-constexpr uint64_t MAX_FILM_SIDE = 32768;
 
 /// Member `name` of `object` if both are objects.
 const json* object_member(const json* object, const char* name) {

@@ -11,6 +11,7 @@
 #include "base/near_names.hpp"
 #include "image/image.hpp"
 #include "render/aov.hpp"
+#include "scene/film_limits.hpp"
 
 namespace regulus::session {
 
@@ -24,13 +25,14 @@ glm::uvec2 parse_size(const std::string& text) {
   const size_t x = text.find('x');
   const auto parse = [](std::string_view part, uint32_t& value) {
     const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
-    return error == std::errc{} && end == part.data() + part.size() && value >= 1 && value <= MAX_SIDE;
+    return error == std::errc{} && end == part.data() + part.size() && value >= 1 &&
+           value <= scene::MAX_FILM_SIDE;
   };
   if (x == std::string::npos || !parse(std::string_view(text).substr(0, x), size.x) ||
       !parse(std::string_view(text).substr(x + 1), size.y))
     throw SettingError(
         "size", text,
-        fmt::format("expected WIDTHxHEIGHT with sides from 1 to {}, such as 1280x720", MAX_SIDE));
+        fmt::format("expected WIDTHxHEIGHT with sides from 1 to {}, such as 1280x720", scene::MAX_FILM_SIDE));
   return size;
 }
 

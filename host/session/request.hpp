@@ -17,8 +17,6 @@
 
 namespace regulus::session {
 
-/// Film sizes beyond this are refused: 2^31 pixels would overflow path indices.
-inline constexpr uint32_t MAX_SIDE = 32768;
 inline constexpr uint32_t MAX_SAMPLES = 1u << 24;
 
 /// Settings as they are given. What needs the scene is text until then.

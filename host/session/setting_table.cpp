@@ -13,6 +13,7 @@
 #include "base/near_names.hpp"
 #include "base/printable.hpp"
 #include "render/aov.hpp"
+#include "scene/film_limits.hpp"
 #include "session/request.hpp"
 
 namespace regulus::session {
@@ -151,7 +152,8 @@ std::vector<Setting> make_table() {
       {"samples", "FIRST:COUNT", text_for(&Request::sample_range)},
       {"time", "seconds", number_in(&Request::time_limit, 0, 1e9)},
       {"noise", "relative error, 0 to 1000", number_in(&Request::noise_target, 0, 1e3)},
-      {"size", fmt::format("WIDTHxHEIGHT, pixels, sides up to {}", MAX_SIDE), text_for(&Request::size)},
+      {"size", fmt::format("WIDTHxHEIGHT, pixels, sides up to {}", scene::MAX_FILM_SIDE),
+       text_for(&Request::size)},
       {"crop", "x0,y0,x1,y1, pixels from the top left, x1 and y1 excluded", text_for(&Request::crop)},
       {"aov", fmt::format("a list of {}", fmt::join(render::known_aovs(), ", ")), text_for(&Request::aovs)},
       {"camera", "name or index", text_for(&Request::camera)},
