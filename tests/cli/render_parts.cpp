@@ -260,6 +260,38 @@ TEST_F(RenderParts, MergedCropsAreTheWholeBitByBit) {
   expect_error(merge({a, b, b2, c, whole}), 3, {"overlap"});
 }
 
+// A guide is a function of the scene, the camera and the whole film: tiles, ranges and a resumed render train
+// the same.
+TEST_F(RenderParts, GuidedPartsAreTheWholeBitByBit) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  const auto guided = [&](const std::string& name, Arguments more) {
+    more.insert(more.end(), {"-i", "bpt", "--guide-light", "on"});
+    render(name, more);
+    return file(name);
+  };
+  const std::string whole = guided("whole.exr", {"--samples", "0:3"});
+  const std::string left = guided("left.exr", {"--samples", "0:3", "--crop", "0,0,10,16"});
+  const std::string first = guided("first.exr", {"--samples", "0:1", "--crop", "10,0,24,16"});
+  const std::string rest = guided("rest.exr", {"--samples", "1:2", "--crop", "10,0,24,16"});
+  const Finished merged = run({"merge", file("joined.exr"), rest, left, first});
+  ASSERT_EQ(merged.status, 0) << merged.err;
+  const image::ExrContents known = contents("whole.exr");
+  EXPECT_TRUE(contents("joined.exr").channels == known.channels);
+  guided("begun.exr", {"-s", "1", "--checkpoint", file("state.exr")});
+  guided("resumed.exr", {"-s", "3", "--checkpoint", file("state.exr"), "--resume"});
+  guided("plain.exr", {"-s", "3"});
+  EXPECT_TRUE(contents("resumed.exr").channels == contents("plain.exr").channels);
+  // The guide did something, and who has none is another render.
+  render("unguided.exr", {"-i", "bpt", "--samples", "3:1"});
+  EXPECT_EQ(contents("unguided.exr").attributes.at("regulus:light_guide"), "off");
+  EXPECT_NE(known.attributes.at("regulus:light_guide"), "off");
+  expect_error(run({"merge", file("out.exr"), whole, file("unguided.exr")}), 3,
+               {"unguided.exr", "light_guide"});
+  expect_error(
+      run(command("out.exr", {"-i", "bpt", "-s", "4", "--checkpoint", file("state.exr"), "--resume"})), 3,
+      {"state.exr", "light_guide"});
+}
+
 // A flipped bit, wherever it is, is found, or changes nothing that is merged.
 TEST_F(RenderParts, FlippedBitsNeverMergeIntoAnotherPicture) {
   render("a.exr", {"--samples", "0:2"});

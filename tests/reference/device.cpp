@@ -13,6 +13,7 @@
 #include "images/support/prepared_scene.hpp"
 #include "images/support/render_scene.hpp"
 #include "render/reference_settings.hpp"
+#include "support/run_length.hpp"
 
 namespace regulus::test {
 namespace {
@@ -196,7 +197,7 @@ TEST(DeviceStagesInstances, AgreeWithTheReference) {
 // sides.
 TEST(DeviceStagesCoats, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   Checked checked(prepare(coats_scene()));
   expect_agreement(checked);
 }
@@ -205,7 +206,7 @@ TEST(DeviceStagesCoats, AgreeWithTheReference) {
 // index.
 TEST(DeviceStagesEnergyCompensation, InDenserGlassAgreesWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   GltfScene scene;
   scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
   scene.add(box({-0.7, 0.1, -0.6}, {0.5, 0.8, 0.3}), glass(1.6));
@@ -238,7 +239,7 @@ GltfScene dispersive_scene() {
 // A wavelength for each sample: of rays, of pairs in the same iteration.
 TEST(DeviceStagesDispersion, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   for (const bool has_compensation : {false, true}) {
     render::RenderSettings settings = Checked::settings();
     settings.has_energy_compensation = has_compensation;
@@ -488,7 +489,7 @@ TEST(DeviceConnections, AgreeWithTheReferenceAndAFaultInAnyStageIsFound) {
 
 TEST(DeviceConnections, ThroughAThinLensAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   expect_agreement(with_lens(prepare(own_scenes() / "cornell/cornell.gltf"), 0.05F),
                    CheckedConnections::settings(REGULARIZATION_NONE));
 }
@@ -500,7 +501,7 @@ constexpr uint32_t ON = REGULARIZATION_ROUGHNESS | REGULARIZATION_CONSISTENT;
 // Wide merges also join the glass sphere's vertices with the floor's, which diffuses and the glass does not.
 TEST(DeviceConnections, RegularizedBehindWhatDiffusesAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   render::RenderSettings settings = CheckedConnections::settings(ON | REGULARIZATION_DIFFUSION, 0.6F);
   settings.merge_radius = 0.06F;
   settings.bound = BOUND_SMITH;
@@ -528,7 +529,7 @@ GltfScene sunlit_room() {
 // With a choice by nee that knows the surface, and by power; regularized and not.
 TEST(DeviceConnections, GuidedAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   for (const bool is_regularized : {false, true}) {
     render::RenderSettings settings = CheckedConnections::settings(
         is_regularized ? ON | REGULARIZATION_DIFFUSION : uint32_t{REGULARIZATION_NONE});
@@ -553,7 +554,7 @@ TEST(DeviceConnections, RegularizedTwiceByQualityAgreeWithTheReference) {
 // nothing where they leave a nearly sharp mirror behind gloss.
 TEST(DeviceConnections, BothThroughCoatedGlassAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   nlohmann::json coated = glass(1.5, 0);
   coated["extensions"]["KHR_materials_clearcoat"] = {{"clearcoatFactor", 1},
                                                      {"clearcoatRoughnessFactor", 0.5}};
@@ -571,7 +572,7 @@ TEST(DeviceConnections, BothThroughCoatedGlassAgreeWithTheReference) {
 // too.
 TEST(DeviceConnections, BehindTheNearPlaneInAMediumAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   GltfScene scene;
   scene.add(box({-2, -2, -2}, {2, 2, 2}), glass(1.5, 0, {0.3, 0.5, 0.8}));
   scene.add({quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2})}, lambert({0.7, 0.6, 0.5}));
@@ -586,7 +587,7 @@ TEST(DeviceConnections, BehindTheNearPlaneInAMediumAgreeWithTheReference) {
 // Both ends of a connection, or a merge, may have met dispersive glass, one of them, or none.
 TEST(DeviceConnections, ThroughDispersiveGlassAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   expect_agreement(prepare(dispersive_scene()), CheckedConnections::settings(REGULARIZATION_NONE));
   expect_agreement(prepare(dispersive_scene()),
                    CheckedConnections::settings(ON | REGULARIZATION_BOTH | REGULARIZATION_DIFFUSION, 0.6F));
@@ -594,7 +595,7 @@ TEST(DeviceConnections, ThroughDispersiveGlassAgreeWithTheReference) {
 
 TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   render::RenderSettings settings =
       CheckedConnections::settings(ON | REGULARIZATION_DIFFUSION | REGULARIZATION_VIRTUAL_MERGE);
   settings.shadowing = SHADOWING_SMITH_UNCORRELATED;
@@ -608,7 +609,7 @@ TEST(DeviceConnections, RegularizedVirtuallyAgreeWithTheReference) {
 // sampler quality as nee samples it, the last as nothing does.
 TEST(DeviceConnections, CoatsRegularizedVirtuallyAgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   render::RenderSettings settings = CheckedConnections::settings(ON | REGULARIZATION_VIRTUAL_MERGE, 0.6F);
   settings.techniques = *settings.techniques & ~TECHNIQUE_SPLAT;
   settings.sampler_quality = SAMPLER_QUALITY_SMOOTH;
@@ -618,7 +619,7 @@ TEST(DeviceConnections, CoatsRegularizedVirtuallyAgreeWithTheReference) {
 // Rough lobes under rough coats, with energy compensation: raised to the utmost, and hardly at all.
 TEST(DeviceConnections, RegularizedCoatsAgreeWithTheReferenceWhateverTheBound) {
   REGULUS_SKIP_WITHOUT_DEVICE();
-  if (is_slow_device()) GTEST_SKIP() << "compiles for minutes here";
+  if (is_slow_device() || is_repeated_run()) GTEST_SKIP() << "compiles for minutes";
   for (const float tau : {1e-4F, 1e9F}) {
     render::RenderSettings settings = CheckedConnections::settings(ON, tau);
     settings.has_energy_compensation = true;

@@ -79,7 +79,7 @@ std::vector<Case> cases() {
 }
 
 // Under sanitizers fewer samples, at the same rate of false alarms.
-constexpr uint32_t SAMPLES_DIVISOR = IS_SANITIZED ? 8 : 1;
+constexpr uint32_t SAMPLES_DIVISOR = IS_SANITIZED ? 2 : 1;
 
 Settings settings_of(uint32_t techniques, uint32_t samples) {
   Settings settings = reference_settings(8, 8, samples / SAMPLES_DIVISOR, 6);

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/random.hpp"
+#include "support/run_length.hpp"
 
 namespace regulus::test {
 
@@ -40,6 +42,7 @@ image::Image render_reference(const PreparedScene& prepared, const reference::Se
 
 std::vector<image::Image> reference_batches(const PreparedScene& prepared, reference::Settings settings,
                                             int count, uint32_t stream) {
+  if (!is_full_run()) settings.samples = std::max(settings.samples / 4, 1U);
   std::vector<image::Image> images;
   const auto first = static_cast<uint32_t>(base_seed()) + 1000 * stream;
   for (int i = 0; i < count; ++i) {
