@@ -17,7 +17,6 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "bvh/bvh.hpp"
 
 namespace regulus::bvh {
 
@@ -26,32 +25,28 @@ namespace {
 // Nodes on a path that the builder may make before it gives up; real scenes stay below 40.
 constexpr unsigned MAX_DEPTH = 128;
 
-/// A node as the builder's callbacks make it: in Embree's arena, without constructor calls afterwards.
+/// A node as the builder's callbacks make it, in Embree's arena: as small as can be, since tens of millions
+/// take more memory than all else while a scene is loaded. Boxes are derived from the leaves afterwards.
 struct BuildNode {
-  RTCBounds bounds[2];
-  BuildNode* children[2];
-  uint32_t primitive;
-  bool is_leaf;
+  const BuildNode* children[2];  ///< of a leaf: none
+  uint32_t primitive;            ///< of a leaf
 };
 
 void* create_node(RTCThreadLocalAllocator allocator, unsigned, void*) {
-  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode{};
+  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode))) BuildNode{};
 }
 
 void set_children(void* node, void** children, unsigned count, void*) {
   for (unsigned i = 0; i < count; ++i)
-    static_cast<BuildNode*>(node)->children[i] = static_cast<BuildNode*>(children[i]);
+    static_cast<BuildNode*>(node)->children[i] = static_cast<const BuildNode*>(children[i]);
 }
 
-void set_bounds(void* node, const RTCBounds** bounds, unsigned count, void*) {
-  for (unsigned i = 0; i < count; ++i) static_cast<BuildNode*>(node)->bounds[i] = *bounds[i];
-}
+/// Embree insists on a function; boxes are summed up later.
+void set_bounds(void*, const RTCBounds**, unsigned, void*) {}
 
 void* create_leaf(RTCThreadLocalAllocator allocator, const RTCBuildPrimitive* primitives, size_t, void*) {
-  auto* leaf = new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), 16)) BuildNode{};
-  leaf->primitive = primitives[0].primID;
-  leaf->is_leaf = true;
-  return leaf;
+  return new (rtcThreadLocalAlloc(allocator, sizeof(BuildNode), alignof(BuildNode)))
+      BuildNode{{nullptr, nullptr}, primitives[0].primID};
 }
 
 struct EmbreeRelease {
@@ -61,13 +56,13 @@ struct EmbreeRelease {
 using EmbreeDevice = std::unique_ptr<std::remove_pointer_t<RTCDevice>, EmbreeRelease>;
 using EmbreeBvh = std::unique_ptr<std::remove_pointer_t<RTCBVH>, EmbreeRelease>;
 
-std::vector<RTCBuildPrimitive> build_primitives(std::span<const Box> boxes) {
-  std::vector<RTCBuildPrimitive> primitives(boxes.size());
-  for (uint32_t i = 0; i < boxes.size(); ++i) {
-    const Box& box = boxes[i];
-    primitives[i] = {box.lower.x, box.lower.y, box.lower.z, 0, box.upper.x, box.upper.y, box.upper.z, i};
+std::vector<RTCBuildPrimitive> build_primitives(const Primitives& primitives) {
+  std::vector<RTCBuildPrimitive> result(primitives.size());
+  for (uint32_t i = 0; i < result.size(); ++i) {
+    const Box box = primitives.box(i);
+    result[i] = {box.lower.x, box.lower.y, box.lower.z, 0, box.upper.x, box.upper.y, box.upper.z, i};
   }
-  return primitives;
+  return result;
 }
 
 /// Where a node hangs: its parent's index and which child it is.
@@ -84,19 +79,22 @@ uint32_t append_node(BinaryTree& tree, Place place, uint32_t first) {
   return index;
 }
 
-/// Copies Embree's tree into arrays, depth first; boxes and ranges of inner nodes are left open.
-BinaryTree flatten(const BuildNode* root) {
+/// Copies Embree's tree over so many primitives into arrays, depth first; boxes and ranges of inner nodes are
+/// left open.
+BinaryTree flatten(const BuildNode* root, size_t primitives) {
   struct Visit {
     const BuildNode* node;
     Place place;
   };
   BinaryTree tree;
+  tree.nodes.reserve(2 * primitives - 1);
+  tree.order.reserve(primitives);
   std::vector<Visit> stack{{root, {}}};
   while (!stack.empty()) {
     const Visit visit = stack.back();
     stack.pop_back();
     const uint32_t index = append_node(tree, visit.place, static_cast<uint32_t>(tree.order.size()));
-    if (visit.node->is_leaf) {
+    if (visit.node->children[0] == nullptr) {
       tree.nodes[index].count = 1;
       tree.order.push_back(visit.node->primitive);
     } else {
@@ -108,11 +106,11 @@ BinaryTree flatten(const BuildNode* root) {
 }
 
 /// Derives boxes and counts of all nodes from the leaves up.
-void sum_up(BinaryTree& tree, std::span<const Box> boxes) {
+void sum_up(BinaryTree& tree, const Primitives& primitives) {
   for (size_t i = tree.nodes.size(); i-- > 0;) {
     BinaryNode& node = tree.nodes[i];
     if (node.count == 1) {
-      node.box = boxes[tree.order[node.first]];
+      node.box = primitives.box(tree.order[node.first]);
       continue;
     }
     node.count = 0;
@@ -128,37 +126,38 @@ glm::dvec3 center_of(const Box& box) {
 }
 
 /// Halves a range of primitives at the median of the axis along which their centres spread most.
-void halve(std::span<uint32_t> primitives, std::span<const Box> boxes) {
+void halve(std::span<uint32_t> range, const Primitives& primitives) {
   glm::dvec3 lower(std::numeric_limits<double>::infinity());
   glm::dvec3 upper = -lower;
-  for (uint32_t primitive : primitives) {
-    lower = glm::min(lower, center_of(boxes[primitive]));
-    upper = glm::max(upper, center_of(boxes[primitive]));
+  for (const uint32_t primitive : range) {
+    lower = glm::min(lower, center_of(primitives.box(primitive)));
+    upper = glm::max(upper, center_of(primitives.box(primitive)));
   }
   const glm::dvec3 extent = upper - lower;
   const int xy = extent.x >= extent.y ? 0 : 1;
   const int axis = extent[xy] >= extent.z ? xy : 2;
   const auto key = [&](uint32_t primitive) {
-    return std::pair(center_of(boxes[primitive])[axis], primitive);
+    return std::pair(center_of(primitives.box(primitive))[axis], primitive);
   };
-  const auto middle = primitives.begin() + static_cast<std::ptrdiff_t>(primitives.size() / 2);
-  std::nth_element(primitives.begin(), middle, primitives.end(),
+  const auto middle = range.begin() + static_cast<std::ptrdiff_t>(range.size() / 2);
+  std::nth_element(range.begin(), middle, range.end(),
                    [&](uint32_t a, uint32_t b) { return key(a) < key(b); });
 }
 
 }  // namespace
 
-Box bounds_of(const InputTriangle& triangle) {
+Box Primitives::box(uint32_t primitive) const {
+  if (primitive >= triangles.size()) return copies[primitive - triangles.size()];
   Box box;
-  for (const glm::vec3& vertex : triangle.vertices) box.extend({vertex, vertex});
+  for (const glm::vec3& vertex : triangles[primitive].vertices) box.extend({vertex, vertex});
   return box;
 }
 
-BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
+BinaryTree build_surface_area_tree(const Primitives& primitives) {
   const EmbreeDevice device(rtcNewDevice(nullptr));
   const EmbreeBvh bvh(device ? rtcNewBVH(device.get()) : nullptr);
   if (!bvh) throw Error(ErrorCode::Failed, "acceleration structure: Embree cannot make a device");
-  std::vector<RTCBuildPrimitive> primitives = build_primitives(boxes);
+  std::vector<RTCBuildPrimitive> boxes = build_primitives(primitives);
 
   RTCBuildArguments arguments = rtcDefaultBuildArguments();
   arguments.buildQuality = RTC_BUILD_QUALITY_MEDIUM;
@@ -167,17 +166,18 @@ BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
   arguments.minLeafSize = 1;
   arguments.maxLeafSize = 1;
   arguments.bvh = bvh.get();
-  arguments.primitives = primitives.data();
-  arguments.primitiveCount = primitives.size();
-  arguments.primitiveArrayCapacity = primitives.size();
+  arguments.primitives = boxes.data();
+  arguments.primitiveCount = boxes.size();
+  arguments.primitiveArrayCapacity = boxes.size();
   arguments.createNode = create_node;
   arguments.setNodeChildren = set_children;
   arguments.setNodeBounds = set_bounds;
   arguments.createLeaf = create_leaf;
   const auto* root = static_cast<const BuildNode*>(rtcBuildBVH(&arguments));
+  boxes = {};  // needed no longer, and as large as the arrays to come
   if (root != nullptr) {
-    BinaryTree tree = flatten(root);
-    sum_up(tree, boxes);
+    BinaryTree tree = flatten(root, primitives.size());
+    sum_up(tree, primitives);
     return tree;
   }
   const RTCError error = rtcGetDeviceError(device.get());
@@ -186,30 +186,31 @@ BinaryTree build_surface_area_tree(std::span<const Box> boxes) {
   throw Error(
       ErrorCode::Failed,
       fmt::format("acceleration structure over {} triangles: Embree failed (error {}); is memory short?",
-                  boxes.size(), static_cast<int>(error)));
+                  primitives.size(), static_cast<int>(error)));
 }
 
-BinaryTree build_median_tree(std::span<const Box> boxes) {
+BinaryTree build_median_tree(const Primitives& primitives) {
   struct Visit {
     uint32_t first, count;
     Place place;
   };
   BinaryTree tree;
-  tree.order.resize(boxes.size());
+  tree.nodes.reserve(2 * primitives.size() - 1);
+  tree.order.resize(primitives.size());
   std::iota(tree.order.begin(), tree.order.end(), 0u);
-  std::vector<Visit> stack{{0, static_cast<uint32_t>(boxes.size()), {}}};
+  std::vector<Visit> stack{{0, static_cast<uint32_t>(primitives.size()), {}}};
   while (!stack.empty()) {
     const Visit visit = stack.back();
     stack.pop_back();
     const uint32_t index = append_node(tree, visit.place, visit.first);
     tree.nodes[index].count = visit.count;
     if (visit.count == 1) continue;
-    halve(std::span(tree.order).subspan(visit.first, visit.count), boxes);
+    halve(std::span(tree.order).subspan(visit.first, visit.count), primitives);
     const uint32_t half = visit.count / 2;
     stack.push_back({visit.first + half, visit.count - half, {index, 1}});
     stack.push_back({visit.first, half, {index, 0}});
   }
-  sum_up(tree, boxes);
+  sum_up(tree, primitives);
   return tree;
 }
 

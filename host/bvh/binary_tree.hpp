@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-namespace regulus::bvh {
+#include "bvh/bvh.hpp"
 
-struct InputTriangle;
+namespace regulus::bvh {
 
 /// Axis-aligned box; empty (lower > upper) by default.
 struct Box {
@@ -28,8 +28,17 @@ struct Box {
   }
 };
 
-/// The smallest box around a triangle.
-Box bounds_of(const InputTriangle& triangle);
+/// What a tree is built over, by index: triangles, and behind them copies of meshes, of which only boxes are
+/// known. Boxes of triangles are computed whenever they are wanted: a list of them is hundreds of megabytes
+/// in a large scene.
+struct Primitives {
+  std::span<const InputTriangle> triangles;
+  std::span<const Box> copies;
+
+  size_t size() const { return triangles.size() + copies.size(); }
+  /// The smallest box around a primitive.
+  Box box(uint32_t primitive) const;
+};
 
 /// A node over a range of `BinaryTree::order`. Children come after their parent.
 struct BinaryNode {
@@ -39,20 +48,21 @@ struct BinaryNode {
   uint32_t count = 0;                  ///< 1: a leaf
 };
 
-/// Root is nodes[0]; leaves hold one primitive each.
+/// Root is nodes[0]; leaves hold one primitive each. Nodes stand depth first: an inner node's first child
+/// follows it, the second follows all that is below the first.
 struct BinaryTree {
   std::vector<BinaryNode> nodes;
   std::vector<uint32_t> order;  ///< primitives in depth-first order
 };
 
-/// Builds over the boxes (at least one) on all cores by Embree's binned surface area heuristic. The same
-/// boxes give the same tree on any number of cores.
+/// Builds over at least one primitive, on all cores, by Embree's binned surface area heuristic. The same
+/// primitives give the same tree on any number of cores.
 /// @returns an empty tree if it would be deeper than 128 nodes.
 /// @throws regulus::Error (Failed) if Embree fails or memory runs out.
-BinaryTree build_surface_area_tree(std::span<const Box> boxes);
+BinaryTree build_surface_area_tree(const Primitives& primitives);
 
-/// Builds over the boxes (at least one) by splitting at the median of the longest axis: slower to traverse,
+/// Builds over at least one primitive by splitting at the median of the longest axis: slower to traverse,
 /// but of the least possible depth whatever the scene.
-BinaryTree build_median_tree(std::span<const Box> boxes);
+BinaryTree build_median_tree(const Primitives& primitives);
 
 }  // namespace regulus::bvh

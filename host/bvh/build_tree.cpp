@@ -22,15 +22,16 @@ void require_encodable(size_t triangles, size_t nodes, size_t instances) {
                             instances, interface::BVH_MAX_INSTANCES));
 }
 
-Bvh build_tree(std::span<const InputTriangle> triangles, std::span<const Box> boxes, uint32_t max_depth) {
-  if (boxes.empty()) return {{empty_node()}, {}, {}, 1};
+Bvh build_tree(const Primitives& primitives, uint32_t max_depth) {
+  const std::span<const InputTriangle> triangles = primitives.triangles;
+  if (primitives.size() == 0) return {{empty_node()}, {}, {}, 1};
   const auto first_instance = static_cast<uint32_t>(triangles.size());
-  require_encodable(triangles.size(), 0, boxes.size() - triangles.size());
-  BinaryTree binary = build_surface_area_tree(boxes);
+  require_encodable(triangles.size(), 0, primitives.copies.size());
+  BinaryTree binary = build_surface_area_tree(primitives);
   WideTree wide = collapse(binary, first_instance);
   if (binary.nodes.empty() || wide.depth > max_depth) {
     // Triangles nested at extremely different scales.
-    binary = build_median_tree(boxes);
+    binary = build_median_tree(primitives);
     wide = collapse(binary, first_instance);
   }
   if (wide.depth > max_depth)

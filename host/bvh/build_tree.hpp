@@ -8,9 +8,9 @@
 
 namespace regulus::bvh {
 
-/// The tree over the primitives with these boxes: first the triangles, then instances (by their boxes alone).
+/// The tree over these primitives, in the device's layout.
 /// @throws regulus::Error (Failed) if it is too large or cannot be built of `max_depth` levels.
-Bvh build_tree(std::span<const InputTriangle> triangles, std::span<const Box> boxes, uint32_t max_depth);
+Bvh build_tree(const Primitives& primitives, uint32_t max_depth);
 
 /// @throws regulus::Error (Failed) if references cannot tell so many apart.
 void require_encodable(size_t triangles, size_t nodes, size_t instances);

@@ -10,10 +10,7 @@ Bvh build(std::span<const InputTriangle> triangles) {
 }
 
 Bvh build(std::span<const InputTriangle> triangles, uint32_t max_depth) {
-  std::vector<Box> boxes;
-  boxes.reserve(triangles.size());
-  for (const InputTriangle& triangle : triangles) boxes.push_back(bounds_of(triangle));
-  return build_tree(triangles, boxes, max_depth);
+  return build_tree({triangles, {}}, max_depth);
 }
 
 }  // namespace regulus::bvh

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "interface/bvh.h"
 
@@ -18,10 +19,12 @@ constexpr float TRIANGLE_COST = 0.2f;
 // Of an instance: its ray is set up, and a tree of some nodes walked.
 constexpr float INSTANCE_COST = 4.0f;
 
-/// The cheapest ways to represent the subtree of a binary node.
+/// Cost of the cheapest ways to represent the subtree of a binary node: [i]: as a forest of at most i + 1
+/// wide children.
+using ForestCosts = std::array<float, WIDE_CHILDREN - 1>;
+
+/// What those ways are.
 struct Plan {
-  /// cost[i]: as a forest of at most i + 1 wide children.
-  std::array<float, WIDE_CHILDREN - 1> cost;
   /// split[j]: for a forest of j + 1 children (as many as WIDE_CHILDREN), how many of them go to the first
   /// binary child; 0: one child fewer is no worse.
   std::array<uint8_t, WIDE_CHILDREN> split;
@@ -29,10 +32,10 @@ struct Plan {
 };
 
 /// Cost of distributing `children` roots over both sides, and how many the first side gets.
-std::pair<float, uint8_t> best_split(const Plan& first, const Plan& second, uint32_t children) {
+std::pair<float, uint8_t> best_split(const ForestCosts& first, const ForestCosts& second, uint32_t children) {
   std::pair<float, uint8_t> best{std::numeric_limits<float>::infinity(), 0};
   for (uint32_t k = 1; k < children; ++k) {
-    const float cost = first.cost[k - 1] + second.cost[children - k - 1];
+    const float cost = first[k - 1] + second[children - k - 1];
     if (cost < best.first) best = {cost, static_cast<uint8_t>(k)};
   }
   return best;
@@ -47,38 +50,44 @@ float cost_as_leaf(const BinaryTree& tree, const BinaryNode& node, uint32_t firs
   return node.count == 1 ? INSTANCE_COST : std::numeric_limits<float>::infinity();
 }
 
-/// `relative_area`: of the node's box, 1 for the root; leaf_cost: as a leaf.
-Plan plan_node(const BinaryNode& node, float relative_area, float leaf_cost, const std::vector<Plan>& plans) {
+/// Plans an inner node. `relative_area`: of its box, 1 for the root; leaf_cost: as a leaf; first, second: of
+/// its children.
+std::pair<Plan, ForestCosts> plan_node(float relative_area, float leaf_cost, const ForestCosts& first,
+                                       const ForestCosts& second) {
   Plan plan{};
-  plan.is_leaf = true;
-  if (node.count == 1) {
-    plan.cost.fill(leaf_cost);
-    return plan;
-  }
-  const Plan& first = plans[node.children[0]];
-  const Plan& second = plans[node.children[1]];
+  ForestCosts costs;
   const auto [wide_cost, wide_split] = best_split(first, second, WIDE_CHILDREN);
   plan.split[WIDE_CHILDREN - 1] = wide_split;
   plan.is_leaf = leaf_cost <= wide_cost + relative_area * NODE_COST;
-  plan.cost[0] = plan.is_leaf ? leaf_cost : wide_cost + relative_area * NODE_COST;
+  costs[0] = plan.is_leaf ? leaf_cost : wide_cost + relative_area * NODE_COST;
   for (uint32_t j = 1; j + 1 < WIDE_CHILDREN; ++j) {
     const auto [cost, split] = best_split(first, second, j + 1);
-    const bool is_better = cost < plan.cost[j - 1];
-    plan.cost[j] = is_better ? cost : plan.cost[j - 1];
+    const bool is_better = cost < costs[j - 1];
+    costs[j] = is_better ? cost : costs[j - 1];
     plan.split[j] = is_better ? split : uint8_t{0};
   }
-  return plan;
+  return {plan, costs};
 }
 
 std::vector<Plan> plan_tree(const BinaryTree& tree, uint32_t first_instance) {
   std::vector<Plan> plans(tree.nodes.size());
+  // Of subtrees whose parent is still to come, the one that stands first in the tree on top.
+  std::vector<ForestCosts> costs;
   const double root_area = std::max(tree.nodes[0].box.half_area(), std::numeric_limits<double>::min());
   for (size_t i = plans.size(); i-- > 0;) {
     const BinaryNode& node = tree.nodes[i];
     const auto area = static_cast<float>(node.box.half_area() / root_area);
-    const float leaf_cost = cost_as_leaf(tree, node, first_instance);
     // Not area * infinity, which of a flat box is no number.
-    plans[i] = plan_node(node, area, std::isfinite(leaf_cost) ? area * leaf_cost : leaf_cost, plans);
+    const float cost_of_leaf = cost_as_leaf(tree, node, first_instance);
+    const float leaf_cost = std::isfinite(cost_of_leaf) ? area * cost_of_leaf : cost_of_leaf;
+    if (node.count == 1) {
+      plans[i] = {{}, true};
+      costs.emplace_back().fill(leaf_cost);
+      continue;
+    }
+    const ForestCosts first = costs.back();
+    costs.pop_back();
+    std::tie(plans[i], costs.back()) = plan_node(area, leaf_cost, first, costs.back());
   }
   return plans;
 }
@@ -98,32 +107,35 @@ void gather_children(const BinaryTree& tree, const std::vector<Plan>& plans, uin
 }
 
 /// Gives each child the slot whose corner it lies nearest to, in greedy order of how well it fits: slot bit
-/// k stands for the upper end of axis k.
+/// k stands for the upper end of axis k. Of equal fits the first child and slot.
 std::array<uint32_t, WIDE_CHILDREN> assign_slots(const BinaryTree& tree, const Box& parent,
                                                  const std::vector<uint32_t>& children) {
-  struct Fit {
-    float gain;
-    uint32_t child, slot;
-  };
-  std::vector<Fit> fits;
+  std::array<std::array<float, WIDE_CHILDREN>, WIDE_CHILDREN> gains;
   const glm::vec3 center = parent.lower + parent.upper;
   for (uint32_t child = 0; child < children.size(); ++child) {
     const Box& box = tree.nodes[children[child]].box;
     const glm::vec3 offset = box.lower + box.upper - center;
     for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
       const glm::vec3 corner(slot & 1 ? 1 : -1, slot & 2 ? 1 : -1, slot & 4 ? 1 : -1);
-      fits.push_back({glm::dot(offset, corner), child, slot});
+      gains[child][slot] = glm::dot(offset, corner);
     }
   }
-  std::stable_sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) { return a.gain > b.gain; });
   std::array<uint32_t, WIDE_CHILDREN> slots;
   slots.fill(WideNode::NO_CHILD);
   uint32_t placed = 0;
-  for (const Fit& fit : fits) {
-    const bool is_placed = placed >> fit.child & 1;
-    if (is_placed || slots[fit.slot] != WideNode::NO_CHILD) continue;
-    slots[fit.slot] = children[fit.child];
-    placed |= 1u << fit.child;
+  for (size_t round = 0; round < children.size(); ++round) {
+    uint32_t best_child = WIDE_CHILDREN, best_slot = 0;
+    for (uint32_t child = 0; child < children.size(); ++child) {
+      if ((placed >> child & 1) != 0) continue;
+      for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
+        if (slots[slot] != WideNode::NO_CHILD) continue;
+        if (best_child < WIDE_CHILDREN && !(gains[child][slot] > gains[best_child][best_slot])) continue;
+        best_child = child;
+        best_slot = slot;
+      }
+    }
+    slots[best_slot] = children[best_child];
+    placed |= 1u << best_child;
   }
   return slots;
 }

@@ -23,15 +23,15 @@ constexpr double MARGIN = 1.0 / 1024;
 struct AxisGrid {
   float origin;
   int exponent;
+  double quantum = std::ldexp(1.0, exponent);
 
-  double quantum() const { return std::ldexp(1.0, exponent); }
   uint32_t lower_plane(float x) const {
     return static_cast<uint32_t>(
-        std::clamp(std::floor((double{x} - origin) / quantum() - MARGIN), 0.0, MAX_PLANE));
+        std::clamp(std::floor((double{x} - origin) / quantum - MARGIN), 0.0, MAX_PLANE));
   }
   uint32_t upper_plane(float x) const {
     return static_cast<uint32_t>(
-        std::clamp(std::ceil((double{x} - origin) / quantum() + MARGIN), 0.0, MAX_PLANE));
+        std::clamp(std::ceil((double{x} - origin) / quantum + MARGIN), 0.0, MAX_PLANE));
   }
 };
 
@@ -122,8 +122,9 @@ Bvh encode(const BinaryTree& binary, const WideTree& wide, std::span<const Input
   bvh.nodes.reserve(wide.nodes.size());
   bvh.triangles.reserve(triangles.size());
   bvh.order.reserve(triangles.size());
+  const interface::BvhNode empty = empty_node();
   for (const WideNode& from : wide.nodes) {
-    interface::BvhNode node = empty_node();
+    interface::BvhNode node = empty;
     encode_boxes(binary, from, node);
     for (uint32_t slot = 0; slot < WIDE_CHILDREN; ++slot) {
       if (from.binary[slot] == WideNode::NO_CHILD) continue;

@@ -79,15 +79,14 @@ Bvh build_two_levels(std::span<const InputTriangle> triangles, scene::Scene& sce
   const auto first_placed = static_cast<uint32_t>(scene::first_placed_triangle(scene));
   const auto placed = triangles.subspan(first_placed);
   std::vector<Box> boxes;
-  boxes.reserve(placed.size() + scene.instances.size());
-  for (const InputTriangle& triangle : placed) boxes.push_back(bounds_of(triangle));
+  boxes.reserve(scene.instances.size());
   for (const Instance& copy : scene.instances)
     boxes.push_back(bounds_of_copy(copy, parts[scene::mesh_index_of(scene, copy)].nodes[0]));
 
   Bvh bvh;
   bvh.triangles.resize(triangles.size());
   bvh.order.resize(triangles.size());
-  Bvh top = build_tree(placed, boxes, MAX_DEPTH_OF_LEVEL);
+  Bvh top = build_tree({placed, boxes}, MAX_DEPTH_OF_LEVEL);
   for (const Bvh& part : parts) bvh.depth = std::max(bvh.depth, part.depth);
   bvh.depth += top.depth;
   append(std::move(top), first_placed, bvh);
