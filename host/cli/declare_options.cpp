@@ -205,6 +205,12 @@ void declare_transport(CLI::App& command, RenderOptions& options) {
               "from all of the iteration")
       ->type_name("paired|cache:M")
       ->default_str(options.connections);
+  add_setting(command, options, "--shadow-roulette",
+              "Shadow rays that would carry less than this radiance are traced with a probability in "
+              "proportion, and count accordingly more: auto takes an eighth of how bright the picture "
+              "typically is, off traces every one")
+      ->type_name("off|auto|RADIANCE")
+      ->default_str(options.shadow_roulette);
   add_setting(command, options, "--merge-radius",
               "Merge radius of the first iteration in metres, or in percent of the extent seen, as in "
               "0.3%; at most a tenth of it (default: a thousandth of the picture's height at the "

@@ -170,6 +170,9 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
                  plan.regularization != 0 ? " with regularization" : "", plan.techniques_rule);
   if (!plan.light_guide_rule.empty() && plan.why_dropped("guided emission") == nullptr)
     spdlog::info("{} guided emission: {}", plan.light_guide ? "with" : "without", plan.light_guide_rule);
+  if (!plan.shadow_roulette_rule.empty())
+    spdlog::info("shadow rays that would carry less than {:.3g} play roulette: {}", plan.shadow_roulette,
+                 plan.shadow_roulette_rule);
   for (const render::Dropped& dropped : plan.dropped)
     spdlog::info("without {}: {}", dropped.what, dropped.why);
   times.bvh_seconds = session.stopwatch.lap();

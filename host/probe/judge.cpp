@@ -147,6 +147,13 @@ std::vector<TileMeans> tile_means(const Findings& findings) {
   return means;
 }
 
+double typical_brightness(const Findings& findings) {
+  double sum = 0;
+  const std::vector<TileMeans> means = tile_means(findings);
+  for (const TileMeans& tile : means) sum += std::sqrt(std::sqrt(squared(0.5 * (tile[0] + tile[1]))));
+  return std::pow(sum / static_cast<double>(means.size()), 2);
+}
+
 std::vector<double> tile_scales(const std::vector<TileMeans>& means) {
   const auto mean_of = [](const TileMeans& halves) { return 0.5 * (halves[0] + halves[1]); };
   dvec3 whole(0);

@@ -67,6 +67,10 @@ using TileMeans = std::array<glm::dvec3, 2>;
 /// What all techniques of the findings tell of each tile, row by row.
 std::vector<TileMeans> tile_means(const Findings& findings);
 
+/// Brightness of the tiles without what is seen to shine itself, W/(m^2 sr): the square of the mean of their
+/// roots, for which dark tiles count more than for the mean.
+double typical_brightness(const Findings& findings);
+
 /// Of each tile, what errors are compared with: root of the sum of the squares of its mean and the picture's.
 /// So nobody asks for the dark to be exact.
 std::vector<double> tile_scales(const std::vector<TileMeans>& means);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "reference/light_choice.hpp"
+#include "reference/rng.hpp"
 
 namespace regulus::reference {
 
@@ -55,6 +56,19 @@ void contribute(SampledPath sampled, const TechniqueSet& set, const Contribution
     contribute_share(std::move(plain), once, 1 - share, sink);
   }
   contribute_share(std::move(sampled), set, share, sink);
+}
+
+Tracing play_shadow_roulette(const Settings& settings, const dvec3& value, const ShadowRay& ray) {
+  const double ratio = std::max({value.r, value.g, value.b}) / settings.shadow_roulette;
+  if (!(ratio < 1)) return {};
+  constexpr double STEPS = SHADOW_ROULETTE_STEPS;
+  const double probability = std::max(std::ceil(ratio * STEPS), double{SHADOW_ROULETTE_LEAST}) / STEPS;
+  const RandomBits base = hash_bits(settings.seed, ray.stream, ray.sample, DIMENSION_BLOCK_SHADOW_ROULETTE);
+  // PCG4D of (x, y, z, w): its arguments are w, x, y, z.
+  const RandomBits bits = hash_bits(base[3], base[0] + static_cast<uint32_t>(ray.camera_edges),
+                                    base[1] + static_cast<uint32_t>(ray.light_edges),
+                                    base[2] + (ray.light_path & LIGHT_VERTEX_STREAM_MASK));
+  return {probability, unit_interval(bits[0]) < probability};
 }
 
 LightCache::LightCache(std::vector<LightSubpath> subpaths, double radius, bool is_regularized)
@@ -157,13 +171,34 @@ void Estimator::emit(std::optional<SampledPath> sampled, const TechniqueSet& set
   if (sampled) contribute(std::move(*sampled), set, sink);
 }
 
+/// A path that is there only if a shadow ray is free. (That it is, has been found out already: the reference
+/// saves nothing by roulette.)
+void Estimator::emit_traced(std::optional<SampledPath> sampled, const ShadowRay& ray, const TechniqueSet& set,
+                            const ContributionSink& sink) const {
+  if (!sampled) return;
+  if (!(settings_.shadow_roulette > 0)) return contribute(std::move(*sampled), set, sink);
+  std::vector<Contribution> all;  // of both copies of the technique, which share the ray
+  dvec3 value(0);
+  contribute(std::move(*sampled), set, [&](const Contribution& found) {
+    all.push_back(found);
+    value += found.value();
+  });
+  const Tracing tracing = play_shadow_roulette(settings_, value, ray);
+  if (!tracing.is_traced) return;
+  for (Contribution& found : all) {
+    found.unweighted /= tracing.probability;
+    sink(found);
+  }
+}
+
 /// The camera walk's vertex after `edges` edges to those of its own light path, or to some drawn from all.
 void Estimator::connect(const CameraSubpath& camera, size_t edges, uint32_t pixel, uint32_t sample,
                         const LightCache& cache, const TechniqueSet& set,
                         const ContributionSink& sink) const {
   const auto connect_to = [&](const LightSubpath& light, size_t m, const ContributionSink& to) {
     if (edges + m + 1 <= settings_.max_depth)
-      emit(connect_vertices(world_, light, m, camera, edges), set, to);
+      emit_traced(connect_vertices(world_, light, m, camera, edges),
+                  {pixel, sample, edges, m, light.stream.index}, set, to);
   };
   if (settings_.cache_connections == 0) {
     const LightSubpath& light = cache.subpaths()[pixel % cache.subpaths().size()];
@@ -204,8 +239,8 @@ void Estimator::camera_sample(uint32_t pixel, uint32_t sample, const LightCache*
       const std::optional<uint32_t> light =
           choose_light(world_, receiver_at(world_, vertex.surface, vertex.w_back), {u.x, u.y});
       if (light)
-        emit(connect_to_light(world_, sample_light_point(world_, *light, {u.z, u.w}), camera, edges), set,
-             sink);
+        emit_traced(connect_to_light(world_, sample_light_point(world_, *light, {u.z, u.w}), camera, edges),
+                    {pixel, sample, edges, 0, 0}, set, sink);
     }
     if (cache == nullptr) continue;
     if ((set.bits & TECHNIQUE_CONNECT) != 0) connect(camera, edges, pixel, sample, *cache, set, sink);
@@ -224,8 +259,13 @@ void Estimator::light_sample(const LightSubpath& light, uint32_t index, uint32_t
   const TechniqueSet set = techniques(sample);
   for (size_t edges = 0; edges <= light.vertices.size() && edges + 1 <= settings_.max_depth; ++edges) {
     const dvec2 u_lens = lens_sample(settings_, index, sample, edges);
-    emit(connect_to_lens(world_, camera_, world_.medium_of_lens(settings_.camera), light, edges, u_lens), set,
-         sink);
+    std::optional<SampledPath> found =
+        connect_to_lens(world_, camera_, world_.medium_of_lens(settings_.camera), light, edges, u_lens);
+    // Emitters that the camera sees are shown as they are.
+    if (edges == 0)
+      emit(std::move(found), set, sink);
+    else
+      emit_traced(std::move(found), {index, sample, 0, edges, 0}, set, sink);
   }
 }
 

@@ -24,6 +24,25 @@ struct Contribution {
 
 using ContributionSink = std::function<void(const Contribution&)>;
 
+/// A shadow ray among all of a render: the walk that makes it (pixel and sample, or light path and
+/// iteration), the edges of its path on both sides of it, 0 for a light point or the lens, and of a
+/// connection the light path.
+struct ShadowRay {
+  uint32_t stream = 0, sample = 0;
+  size_t camera_edges = 0, light_edges = 0;
+  uint32_t light_path = 0;
+};
+
+/// Whether roulette spares a shadow ray, and how probable that was.
+struct Tracing {
+  double probability = 1;
+  bool is_traced = true;
+};
+
+/// Roulette of a shadow ray that would carry `value` (docs/mathematics.md 17).
+/// @pre settings.shadow_roulette is not 0
+Tracing play_shadow_roulette(const Settings& settings, const glm::dvec3& value, const ShadowRay& ray);
+
 /// All that a found path contributes by the technique that found it: once, or twice where that exists with
 /// and without regularization, or where sampler quality gives it a share of both.
 void contribute(SampledPath sampled, const TechniqueSet& set, const ContributionSink& sink);
@@ -87,6 +106,8 @@ class Estimator {
 
  private:
   void emit(std::optional<SampledPath> sampled, const TechniqueSet& set, const ContributionSink& sink) const;
+  void emit_traced(std::optional<SampledPath> sampled, const ShadowRay& ray, const TechniqueSet& set,
+                   const ContributionSink& sink) const;
   void connect(const CameraSubpath& camera, size_t edges, uint32_t pixel, uint32_t sample,
                const LightCache& cache, const TechniqueSet& set, const ContributionSink& sink) const;
 

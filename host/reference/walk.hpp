@@ -64,6 +64,7 @@ struct Settings {
   std::vector<uint32_t> group_of_light{};
 
   double largest_contribution = std::numeric_limits<double>::infinity();  ///< of one technique to a sample
+  double shadow_roulette = 0;  ///< shadow rays that would carry less play roulette; 0: none does
 
   Window window() const { return crop.pixels() != 0 ? crop : Window{0, 0, width, height}; }
   uint32_t paths_per_iteration() const { return light_paths == 0 ? width * height : light_paths; }

@@ -10,6 +10,7 @@
 #include "reference/merge_radius.hpp"
 #include "render/light_guide_choice.hpp"
 #include "render/names.hpp"
+#include "render/shadow_roulette_choice.hpp"
 #include "render/state.hpp"
 #include "render/technique_choice.hpp"
 
@@ -120,6 +121,13 @@ void plan_light_guide(Plan& plan, const PreparedScene& prepared) {
     plan.dropped.push_back({"guided emission", plan.light_guide_rule});
 }
 
+void plan_shadow_roulette(Plan& plan, const PreparedScene& prepared) {
+  if (plan.asked.shadow_roulette == 0.0f || !has(plan, SHADOW_RAY_TECHNIQUES)) return;
+  const ShadowRouletteChoice choice = choose_shadow_roulette(prepared, plan.asked);
+  plan.shadow_roulette = choice.least;
+  plan.shadow_roulette_rule = choice.why;
+}
+
 // Decides how waves run, which follows from the choices.
 void plan_waves(Plan& plan) {
   plan.connections_per_vertex = !has(plan, TECHNIQUE_CONNECT) ? 0
@@ -154,6 +162,7 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
                                                  : LIGHT_SAMPLING_POWER;
   plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
   plan_light_guide(plan, prepared);
+  plan_shadow_roulette(plan, prepared);
   plan_merge_radius(plan, prepared);
   plan_waves(plan);
   return plan;

@@ -33,10 +33,12 @@ struct Plan : CommonSettings {
   uint32_t light_sampling = interface::LIGHT_SAMPLING_POWER;  ///< LIGHT_SAMPLING_*, never _AUTO
   /// By which light paths start; null: by power.
   std::shared_ptr<const scene::LightGuide> light_guide;
-  std::string light_guide_rule;   ///< why, in words; empty: nobody asked for one
-  uint32_t light_paths = 0;       ///< per iteration
-  float merge_radius = 0;         ///< metres, of the first iteration; 0: nothing is merged
-  std::string merge_radius_rule;  ///< where it comes from, in words
+  std::string light_guide_rule;  ///< why, in words; empty: nobody asked for one
+  float shadow_roulette = 0;  ///< W/(m^2 sr): shadow rays that would carry less play roulette; 0: none does
+  std::string shadow_roulette_rule;  ///< where it comes from, in words; empty: nobody asked for one
+  uint32_t light_paths = 0;          ///< per iteration
+  float merge_radius = 0;            ///< metres, of the first iteration; 0: nothing is merged
+  std::string merge_radius_rule;     ///< where it comes from, in words
   uint32_t regularization = interface::REGULARIZATION_NONE;
   /// Each wave has its own light vertices, or all light paths of an iteration are walked before its camera
   /// paths (always so for a crop, because all light paths may reach it).

@@ -19,6 +19,7 @@ reference::Settings reference_settings(const Plan& plan) {
   result.height = plan.height;
   result.crop = {plan.crop.x, plan.crop.y, plan.crop.width, plan.crop.height};
   result.largest_contribution = static_cast<double>(plan.largest_contribution);
+  result.shadow_roulette = plan.shadow_roulette;
   result.camera = plan.camera;
   result.first_sample = plan.first_sample;
   result.samples = plan.samples;

@@ -16,6 +16,9 @@ inline constexpr float DEFAULT_TAU = 5;
 /// Techniques that need light subpaths.
 inline constexpr uint32_t LIGHT_SUBPATH_TECHNIQUES =
     interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
+/// Techniques that ask whether two points see each other.
+inline constexpr uint32_t SHADOW_RAY_TECHNIQUES =
+    interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT | interface::TECHNIQUE_CONNECT;
 inline constexpr uint32_t ALL_TECHNIQUES =
     interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | LIGHT_SUBPATH_TECHNIQUES;
 
@@ -84,6 +87,9 @@ struct RenderSettings : CommonSettings {
   std::optional<uint32_t> techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
   uint32_t light_guide = interface::LIGHT_GUIDE_OFF;         ///< LIGHT_GUIDE_*: how light paths start
+  /// Shadow rays that would carry less than this, W/(m^2 sr), play roulette; 0: every one is traced; none: by
+  /// how bright what the camera sees typically is.
+  std::optional<float> shadow_roulette = 0.0f;
   std::optional<uint32_t> light_paths;  ///< per iteration (one sample of every pixel); none: one per pixel
   std::optional<float> merge_radius;    ///< metres, of the first iteration; none: by what the camera sees
   std::optional<float> merge_radius_share;  ///< instead of metres: a share of the extent that the camera sees

@@ -16,6 +16,8 @@ using namespace interface;
 Plan plan_recording(const PreparedScene& prepared, RenderSettings settings, uint32_t techniques) {
   settings.techniques = settings.techniques.value_or(ALL_TECHNIQUES) & techniques;
   settings.light_paths.reset();
+  // What a segment carries is compared for each, not for the few that roulette spares.
+  settings.shadow_roulette = 0;
   Plan plan = make_plan(prepared, settings);
   // The same kernels connect to the cache and to a path's own light path, which may have as many vertices as
   // edges.

@@ -56,6 +56,7 @@ Plan plan_probe(const PreparedScene& prepared, const RenderSettings& asked, uint
   small.samples = PROBE_SAMPLES;
   small.light_paths.reset();
   small.light_guide = LIGHT_GUIDE_OFF;
+  small.shadow_roulette = 0;
   small.cache_connections = 0;
   shrink_film(small);
   Plan plan = make_plan(prepared, small);

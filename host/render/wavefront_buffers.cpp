@@ -73,6 +73,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.camera = camera;
   frame_.tau = plan.tau;
   frame_.largest_contribution = plan.largest_contribution;
+  frame_.shadow_roulette = plan.shadow_roulette;
   frame_.light_path_count = plan.light_paths;
   frame_.light_head_modulus = plan.is_per_wave ? 0 : plan.light_paths;
   frame_.pair_capacity = capacity * plan.connections_per_vertex;

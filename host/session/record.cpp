@@ -48,6 +48,8 @@ nlohmann::json settings_json(const render::Plan& plan) {
           {"light_sampling", name_of(names::LIGHT_SAMPLING, plan.light_sampling)},
           {"light_guide", plan.light_guide ? fmt::format("on {:016x}", hash_of(*plan.light_guide)) : "off"},
           {"light_guide_rule", plan.light_guide_rule},
+          {"shadow_roulette", plan.shadow_roulette},
+          {"shadow_roulette_rule", plan.shadow_roulette_rule},
           {"light_paths", plan.light_paths},
           {"cache_connections", plan.cache_connections},
           {"merge_radius", plan.merge_radius},

@@ -99,6 +99,16 @@ uint32_t parse_connections(const std::string& text) {
   throw SettingError("connections", text, "expected paired or cache:M with M from 1 to 1024");
 }
 
+std::optional<float> parse_shadow_roulette(const std::string& text) {
+  if (text == "off") return 0.0f;
+  if (text == "auto") return std::nullopt;
+  float value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error == std::errc{} && end == text.data() + text.size() && std::isfinite(value) && value > 0)
+    return value;
+  throw SettingError("shadow-roulette", text, "expected off, auto or a radiance above 0");
+}
+
 void parse_merge_radius(const std::string& text, render::RenderSettings& settings) {
   float value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -177,6 +187,7 @@ render::RenderSettings resolve_settings(const Request& request, const scene::Sce
   if (!request.settings_from.empty()) repeat_choice(request.settings_from, settings);
   settings.regularization_modes = request.tau_schedule | request.diffusion;
   settings.cache_connections = parse_connections(request.connections);
+  settings.shadow_roulette = parse_shadow_roulette(request.shadow_roulette);
   if (!request.merge_radius.empty()) parse_merge_radius(request.merge_radius, settings);
   settings.filter_radius = request.filter_radius.value_or(settings.filter == FILTER_BOX ? 0.5f : 1.5f);
   settings.filter_sigma = settings.filter_radius / 3;

@@ -31,6 +31,7 @@ struct Request {
   std::string
       settings_from;  ///< picture whose techniques and regularization `auto` repeats; empty: it chooses
   std::string connections = "paired";
+  std::string shadow_roulette = "off";  ///< off, auto or W/(m^2 sr)
   std::optional<uint32_t>
       regularization;  ///< REGULARIZATION_*; none: roughness, but nothing where vertices are merged
   uint32_t tau_schedule = interface::REGULARIZATION_CONSISTENT;  ///< or 0: fixed

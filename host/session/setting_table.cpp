@@ -135,6 +135,7 @@ std::vector<Setting> make_table() {
       {"light-sampling", list_of(names::LIGHT_SAMPLING),
        choice(&RenderSettings::light_sampling, names::LIGHT_SAMPLING)},
       {"guide-light", list_of(names::LIGHT_GUIDE), choice(&RenderSettings::light_guide, names::LIGHT_GUIDE)},
+      {"shadow-roulette", "off, auto, or a radiance above 0", text_for(&Request::shadow_roulette)},
       {"connections", "paired, or cache:M with M from 1 to 1024", text_for(&Request::connections)},
       {"merge-radius", "metres, or percent of the extent seen, as in 0.3%", text_for(&Request::merge_radius)},
       {"merge-reduction", "0 to 0.5", number_in(&RenderSettings::merge_reduction, 0, 0.5)},

@@ -63,6 +63,7 @@ struct Frame {
                                // accumulators before the vertices are counted
   float tau;                   // bound on the density of a regularized lobe, 1/sr
   float largest_contribution;  // with SPEC_CLAMP: what one technique adds to one sample, at most, in any channel
+  float shadow_roulette;       // with SPEC_SHADOW_ROULETTE: segments that carry less in every channel play roulette
   uint stored_triangles;       // numbers from here on are those of instances
   uint instance_block_shift;   // number (behind stored_triangles) >> this: the block
   uint vertex_uv_sets;
@@ -76,7 +77,7 @@ struct Frame {
   uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
   uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 876);
+REGULUS_LAYOUT(Frame, 880);
 
 // Push constants of every stage.
 struct StageArguments {

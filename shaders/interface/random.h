@@ -29,6 +29,11 @@ REGULUS_CONSTANT VIRTUAL_MERGE_AT_CAMERA = 0u;  // the camera vertex of a connec
 REGULUS_CONSTANT VIRTUAL_MERGE_AT_LIGHT = 1u;   // the light vertex of a connection or splat
 REGULUS_CONSTANT VIRTUAL_MERGE_AT_MERGE = 2u;
 REGULUS_CONSTANT VIRTUAL_MERGE_TRIES = 4u;      // stratified in the choice of the event
+// Roulette of shadow rays draws independent numbers likewise (lib/shadow_roulette.glsl). A ray that is worth tracing less
+// often than this is traced this often.
+REGULUS_CONSTANT DIMENSION_BLOCK_SHADOW_ROULETTE = 1u << 25;
+REGULUS_CONSTANT SHADOW_ROULETTE_STEPS = 1u << 24;  // probabilities are multiples of one over this
+REGULUS_CONSTANT SHADOW_ROULETTE_LEAST = 1u << 14;  // of these
 
 REGULUS_INTERFACE_END
 

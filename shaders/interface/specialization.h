@@ -28,6 +28,7 @@ REGULUS_CONSTANT SPEC_FILM_EXPONENT = 18u;    // of the unit of the film's sums,
 REGULUS_CONSTANT SPEC_SQUARE_EXPONENT = 19u;  // of the unit of its sums of squares, signed
 REGULUS_CONSTANT SPEC_RAYS = 20u;             // RAYS_*: who has traced the segments of candidates
 REGULUS_CONSTANT SPEC_LIGHT_GUIDE = 21u;      // 1: light paths start as a guide says (lib/light_guide.glsl)
+REGULUS_CONSTANT SPEC_SHADOW_ROULETTE = 22u;  // 1: not every segment is traced (lib/shadow_roulette.glsl)
 
 // Who traces rays.
 REGULUS_CONSTANT RAYS_SOFTWARE = 0u;  // kernels (lib/traversal.glsl)

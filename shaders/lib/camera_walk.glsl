@@ -9,6 +9,7 @@
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
+#include "lib/shadow_roulette.glsl"
 
 // True if the path has met a surface that diffuses before the vertex it arrives at.
 bool is_diffused(Path path) { return (path.number & PATH_DIFFUSED) != 0u; }
@@ -66,6 +67,9 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
                 transmittance(frame, medium_towards(frame, point, path.medium, wi.z), light.distance);
   vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+  float share = traced_share(frame, contribution, path.number & PATH_NUMBER, path.sample_index,
+                             uvec3(path.bounce + 1u, 0u, 0u));
+  if (!(share > 0.0)) return;
 
   VisibilityCandidate candidate = visibility_segment(point, light.wi, light.target);
   if (light.is_distant) {
@@ -73,7 +77,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
     candidate.t_max = 3.4e38;
   }
   candidate.receiver = (spec_techniques & TECHNIQUE_CONNECT) != 0u ? film_index(frame, path.number & PATH_NUMBER) : slot;
-  candidate.contribution = contribution;
+  candidate.contribution = contribution / share;
   uint index = append_candidate(candidate);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index, ray_media(point, light.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)));
@@ -83,7 +87,8 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   }
   if (has_strategies()) {
     uint layer = strategy_layer(frame, 1u, path.bounce + 2u, false);
-    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * measured.unweighted, layer));
+    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index,
+          StrategyCandidate(factor * measured.unweighted / share, layer));
   }
 }
 

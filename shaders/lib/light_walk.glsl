@@ -9,6 +9,7 @@
 #include "lib/queue.glsl"
 #include "lib/rng.glsl"
 #include "lib/shading.glsl"
+#include "lib/shadow_roulette.glsl"
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
@@ -103,14 +104,17 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
                 transmittance_before_plane(frame, lens.distance - lens.open_distance);
   vec3 contribution = factor * measured.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+  float share = traced_share(frame, contribution, path.number & PATH_NUMBER, path.sample_index,
+                             uvec3(0u, path.bounce + 1u, 0u));
+  if (!(share > 0.0)) return;
   VisibilityCandidate segment =
       visibility_segment(point, lens.wi, point.surface.position + lens.open_distance * lens.wi);
   segment.receiver = 0u;
-  segment.contribution = contribution;
+  segment.contribution = contribution / share;
   uint trail = 0u;
   if (has_layers()) trail = LOAD(WordBuffer, frame.path_trails, slot) | vertex_trail(point.bsdf, true);
   queue_splat(frame, segment, ray_media(point, lens.wi, wi.z, hit.triangle, vec2(hit.u, hit.v)), lens.film, path.bounce + 1u,
-              trail, factor * measured.unweighted);
+              trail, factor * measured.unweighted / share);
 }
 
 // Continues the walk. Roulette keeps the power of all light paths alike: a path survives with the bsdf's own factor.

@@ -8,6 +8,7 @@
 #include "lib/measure.glsl"
 #include "lib/queue.glsl"
 #include "lib/shading.glsl"
+#include "lib/shadow_roulette.glsl"
 
 // Number of connections among which the estimate of one camera vertex is divided.
 float connection_count(Frame frame) {
@@ -104,11 +105,13 @@ void main() {
                 transmittance(frame, medium_towards(frame, camera_point, camera.medium, camera_wi.z), distance);
   vec3 contribution = factor * value.value;
   if (!(max(contribution.r, max(contribution.g, contribution.b)) > 0.0)) return;
+  float share = traced_share(frame, contribution, pixel, path.sample_index, place);
+  if (!(share > 0.0)) return;
 
   vec3 target = offset_origin(light.position, light_point.surface.clearance, light_point.geometric_normal, -direction);
   VisibilityCandidate candidate = visibility_segment(camera_point, direction, target);
   candidate.receiver = film_index(frame, path.number & PATH_NUMBER);
-  candidate.contribution = contribution;
+  candidate.contribution = contribution / share;
   uint index = append_candidate(candidate);
   if (has_contacts())
     STORE(PathMediaBuffer, frame.candidate_media, index,
@@ -121,6 +124,7 @@ void main() {
   }
   if (has_strategies()) {
     uint layer = strategy_layer(frame, (light.edges & PATH_VERTEX_EDGES) + 1u, (camera.edges & PATH_VERTEX_EDGES) + 1u, false);
-    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index, StrategyCandidate(factor * value.unweighted, layer));
+    STORE(StrategyCandidateBuffer, frame.candidate_strategies, index,
+          StrategyCandidate(factor * value.unweighted / share, layer));
   }
 }

@@ -84,14 +84,30 @@ TEST_F(Usage, WrongOptionsEndWithTwo) {
 
 // What is no number never is an option's value, wherever the option is given.
 TEST_F(Usage, NotANumberIsNoValue) {
-  for (const char* option :
-       {"--tau", "--clamp", "--exposure", "--time", "--noise", "--env-rotation", "--env-scale",
-        "--filter-radius", "--merge-radius", "--merge-reduction", "--checkpoint-seconds", "--spp",
-        "--max-depth", "--seed", "--light-paths", "--wave", "--crop", "--size", "--samples"})
+  for (const char* option : {"--tau",
+                             "--clamp",
+                             "--exposure",
+                             "--time",
+                             "--noise",
+                             "--env-rotation",
+                             "--env-scale",
+                             "--filter-radius",
+                             "--merge-radius",
+                             "--merge-reduction",
+                             "--shadow-roulette",
+                             "--checkpoint-seconds",
+                             "--spp",
+                             "--max-depth",
+                             "--seed",
+                             "--light-paths",
+                             "--wave",
+                             "--crop",
+                             "--size",
+                             "--samples"})
     for (const char* value : {"nan", "-nan(1)", "1e-60x", ""})
       expect_error(render({option, value}), 2, {option});
   for (const char* option : {"--exposure", "--time", "--noise", "--env-rotation", "--env-scale",
-                             "--filter-radius", "--merge-radius", "--merge-reduction"})
+                             "--filter-radius", "--merge-radius", "--merge-reduction", "--shadow-roulette"})
     for (const char* value : {"inf", "1e9999"}) expect_error(render({option, value}), 2, {option});
   for (const char* option : {"--tau", "--clamp"})
     for (const char* value : {"-inf", "0", "-1", "1e-60"}) expect_error(render({option, value}), 2, {option});

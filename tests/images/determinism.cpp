@@ -72,6 +72,7 @@ TEST_F(Determinism, WaveSizeDoesNotChangeAnyBitWithLightSubpaths) {
     whole.samples = 3;
     whole.techniques = techniques;
     whole.cache_connections = cache_connections;
+    whole.shadow_roulette = techniques == VCM ? 0.1f : 0;
     whole.merge_radius = 0.1f;
     RenderSettings pieces = whole;
     pieces.wave_paths = 1024;
@@ -87,6 +88,7 @@ TEST_F(Determinism, SampleRangesAddUpWithLightSubpaths) {
   part.techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE | interface::TECHNIQUE_SPLAT |
                     interface::TECHNIQUE_CONNECT | interface::TECHNIQUE_MERGE;
   part.merge_radius = 0.05f;
+  part.shadow_roulette = 0.1f;
   part.samples = 4;
   const Rendered whole = render(*cornell_, part);
   part.samples = 2;
@@ -165,6 +167,7 @@ TEST_F(Determinism, ACropHoldsThePixelsOfTheWhole) {
     whole.samples = 2;
     whole.techniques = techniques;
     whole.merge_radius = 0.1f;
+    whole.shadow_roulette = techniques == VCM ? 0.1f : 0;
     RenderSettings part = whole;
     part.crop = {17, 5, 20, 30};
     const Rendered reference = render(scene, whole), cropped = render(scene, part);

@@ -295,6 +295,22 @@ TEST_F(LightSubpaths, StrategyImagesSumToThePicture) {
   }
 }
 
+// Nearly all shadow rays play, and most are not traced: what is left stands for them.
+TEST_F(LightSubpaths, RouletteOfShadowRaysKeepsTheMean) {
+  if (is_slow_device()) GTEST_SKIP() << "slow device";
+  GltfScene scene = room(WHITE, WHITE, WHITE);
+  scene.add({ceiling_light()}, emitter({2, 1.5, 1}));
+  const PreparedScene prepared = prepare(scene);
+  const auto known = render_batches(prepared, settings_of(PT, 0), BATCHES, 220);
+  RenderSettings settings = settings_of(BPT, 0);
+  const uint64_t all = render(prepared, settings).statistics.visibility_rays();
+  settings.shadow_roulette = 0.5f * static_cast<float>(mean_of(known[0])[0]);
+  const uint64_t traced = render(prepared, settings).statistics.visibility_rays();
+  std::printf("%.3f of the shadow rays\n", static_cast<double>(traced) / static_cast<double>(all));
+  EXPECT_LT(traced, all / 2);
+  expect_equal("bpt, roulette", render_batches(prepared, settings, BATCHES, 221), known, {});
+}
+
 // Of one edge there is only what the camera sees itself: here nothing that shines. `lt` showed the lamp's own
 // light on the walls. Of two edges all sets find the same, less than half of what three edges bring.
 TEST_F(LightSubpaths, NoPathIsLongerThanAskedFor) {

@@ -219,6 +219,7 @@ TEST_F(Library, SettingsThatNeedTheSceneAreRefusedByThePlan) {
                                     {"techniques", "hit,magic"},
                                     {"aov", "beauty"},
                                     {"connections", "some"},
+                                    {"shadow-roulette", "-1"},
                                     {"merge-radius", "wide"},
                                     {"samples", "4"}}) {
     const std::string error = error_of(

@@ -26,20 +26,23 @@ double share_of_differences(const std::vector<float>& a, const std::vector<float
 }
 
 // The same random numbers give the same picture but for the few paths that rounding turns elsewhere.
-TEST(DeviceRenders, CropsAndClampsAreTheReferences) {
+TEST(DeviceRenders, CropsClampsAndRouletteAreTheReferences) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   const PreparedScene prepared = prepare(own_scenes() / "cornell/cornell.gltf");
   render::RenderSettings asked = box_filtered(32, 24, 2, 12);
   asked.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
   asked.crop = {5, 3, 20, 16};
-  for (const float largest : {std::numeric_limits<float>::infinity(), 0.05F}) {
+  constexpr float ALL = std::numeric_limits<float>::infinity();
+  for (const auto& [largest, roulette] : {std::pair(ALL, 0.0F), {0.05F, 0.0F}, {ALL, 0.5F}}) {
     asked.largest_contribution = largest;
+    asked.shadow_roulette = roulette;
     const image::Image found = render(prepared, asked).image;
     const auto wanted = check::render_with_reference(prepared, make_plan(prepared, asked),
                                                      [](uint64_t, uint64_t) { return true; });
     ASSERT_EQ(found.rgb.size(), wanted.image.rgb.size());
-    EXPECT_LT(share_of_differences(found.rgb, wanted.image.rgb), 0.02) << "clamped to " << largest;
+    EXPECT_LT(share_of_differences(found.rgb, wanted.image.rgb), 0.02)
+        << "clamped to " << largest << ", roulette below " << roulette;
   }
 }
 

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "reference/support/reference_images.hpp"
+#include "render/shadow_roulette_choice.hpp"
 #include "render/technique_choice.hpp"
 #include "support/sanitizers.hpp"
 
@@ -16,10 +19,10 @@ using reference::Settings;
 using reference::World;
 
 /// A closed room under a lamp above the picture, with a block of metal or plastic on its floor.
-GltfScene room(const nlohmann::json& block) {
+GltfScene room(const nlohmann::json& block, double lamp = 8) {
   GltfScene scene;
   scene.add(turned(box({-1, -1, -1}, {1, 1, 1})), lambert({0.7, 0.5, 0.3}));
-  scene.add({quad({-0.4, 0.99, -0.4}, {0.8, 0, 0}, {0, 0, 0.8})}, emitter({8, 8, 8}));
+  scene.add({quad({-0.4, 0.99, -0.4}, {0.8, 0, 0}, {0, 0, 0.8})}, emitter(glm::dvec3(lamp)));
   scene.add(box({-0.6, -1, -0.6}, {0.1, -0.4, 0}), block);
   scene.set_perspective(look_at({0, -0.2, 0.95}, {0, -0.5, -1}), 0.9);
   return scene;
@@ -155,6 +158,55 @@ render::RenderSettings open_settings() {
   settings.regularization.reset();
   settings.regularization_modes = REGULARIZATION_CONSISTENT | REGULARIZATION_DIFFUSION;
   return settings;
+}
+
+// Two tiles of one iteration each way, of brightness 1 and 9.
+TEST(Probe, TypicalBrightnessIsTheSquareOfTheMeanOfRoots) {
+  probe::Findings findings{12, 6, 2, TECHNIQUE_NEE, 1, {}, {}};
+  for (const uint32_t iteration : {0u, 1u})
+    for (const auto& [pixel, value] : {std::pair(3u, 1.0), {9u, 9.0}}) {
+      probe::FoundPath path;
+      path.pixel = pixel;
+      path.iteration = iteration;
+      path.value = glm::dvec3(36 * value);  // of 36 pixels of a tile
+      findings.paths.push_back(path);
+    }
+  EXPECT_NEAR(typical_brightness(findings), 4, 1e-12);
+}
+
+TEST(ShadowRouletteChoice, FollowsTheLightAndNothingElse) {
+  const PreparedScene prepared = prepare(room(metal({0.9, 0.7, 0.4}, 0.3)));
+  render::RenderSettings settings;
+  settings.width = 30;
+  settings.height = 20;
+  settings.shadow_roulette.reset();
+  const float least = choose_shadow_roulette(prepared, settings).least;
+  EXPECT_GT(least, 0);
+  render::RenderSettings other = settings;
+  other.width = 300;
+  other.height = 200;
+  other.crop = {3, 4, 20, 10};
+  other.seed = 5;
+  other.first_sample = 7;
+  other.samples = 1;
+  other.techniques = VCM;
+  EXPECT_EQ(choose_shadow_roulette(prepared, other).least, least);
+  EXPECT_EQ(make_plan(prepared, other).shadow_roulette, least);
+  int exponent = 0;
+  EXPECT_EQ(std::frexp(least, &exponent), 0.5f) << "a power of two";
+  // No light sample has less than this.
+  other.largest_contribution = 0.5f * least;
+  EXPECT_EQ(choose_shadow_roulette(prepared, other).least, 0.5f * least);
+  other = settings;
+  other.shadow_roulette = 0.3f;
+  EXPECT_EQ(make_plan(prepared, other).shadow_roulette, 0.3f) << "given";
+  other.techniques = TECHNIQUE_HIT;
+  EXPECT_EQ(make_plan(prepared, other).shadow_roulette, 0) << "no shadow rays";
+  other.techniques = BPT;
+  other.shadow_roulette = 0;
+  EXPECT_EQ(make_plan(prepared, other).shadow_roulette, 0) << "off";
+  const PreparedScene bright = prepare(room(metal({0.9, 0.7, 0.4}, 0.3), 128));
+  EXPECT_EQ(choose_shadow_roulette(bright, settings).least, 16 * least);
 }
 
 TEST(TechniqueChoice, IsTheSameForEveryPartOfARender) {

@@ -3,6 +3,7 @@
 // counts and weights of its own, so an error in any of them moves one mean and not the other.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "images/support/comparison.hpp"
@@ -107,6 +108,65 @@ TEST(ReferenceTechniques, BidirectionalSetsAgreeWithPathTracing) {
                    reference_batches(prepared, settings_of(techniques.bits, 16), BATCHES, stream++), options);
     }
   }
+}
+
+// A contribution of which a share of the least is left to chance, over many rays.
+TEST(ShadowRoulette, TracesInProportionAndDependsOnEveryNumber) {
+  constexpr uint32_t RAYS = 1u << 18;
+  Settings settings = reference_settings(8, 8, 1, 6);
+  settings.shadow_roulette = 0.25;
+  for (const double ratio : {1e-12, 1e-4, 0.003, 0.25, 0.7, 0.9999, 1.0, 3.0}) {
+    const glm::dvec3 value = 0.25 * ratio * glm::dvec3(0.1, 1, 0.5);
+    uint32_t traced = 0;
+    double probability = 0;
+    for (uint32_t i = 0; i < RAYS; ++i) {
+      const reference::Tracing tracing =
+          play_shadow_roulette(settings, value, {i % 4096, i / 4096, 1 + i % 3, i % 5, i % 7});
+      traced += tracing.is_traced ? 1 : 0;
+      probability = tracing.probability;
+    }
+    // In proportion, but never less than once in 1024.
+    EXPECT_NEAR(probability, std::clamp(ratio, 1.0 / 1024, 1.0), 0x1p-24) << ratio;
+    const double deviation = std::sqrt(RAYS * probability * (1 - probability));
+    EXPECT_NEAR(traced, RAYS * probability, 5 * deviation) << ratio;
+  }
+  // Rays that differ in one number are decided by themselves: half of 64 on either side.
+  const glm::dvec3 half(0.125);
+  const auto count = [&](const auto& ray) {
+    uint32_t traced = 0;
+    for (uint32_t i = 1; i <= 64; ++i) traced += play_shadow_roulette(settings, half, ray(i)).is_traced;
+    return traced;
+  };
+  using Ray = reference::ShadowRay;
+  for (const uint32_t traced : {count([](uint32_t i) {
+                                  return Ray{i, 2, 3, 4, 5};
+                                }),
+                                count([](uint32_t i) {
+                                  return Ray{1, i, 3, 4, 5};
+                                }),
+                                count([](uint32_t i) {
+                                  return Ray{1, 2, i, 4, 5};
+                                }),
+                                count([](uint32_t i) {
+                                  return Ray{1, 2, 3, i, 5};
+                                }),
+                                count([](uint32_t i) {
+                                  return Ray{1, 2, 3, 4, i};
+                                })}) {
+    EXPECT_GT(traced, 10u);
+    EXPECT_LT(traced, 54u);
+  }
+}
+
+TEST(ShadowRoulette, KeepsTheMean) {
+  const PreparedScene prepared = prepare(cases().front().scene);
+  Settings settings = settings_of(BPT, 16);
+  const auto all = reference_batches(prepared, settings, BATCHES, 180);
+  settings.shadow_roulette = mean_of(all[0])[0];
+  ComparisonOptions options;
+  options.tile = 4;
+  expect_equal("bpt with and without roulette", all, reference_batches(prepared, settings, BATCHES, 181),
+               options);
 }
 
 // Merging blurs light over its radius and loses some of it at edges: where a wall ends, the disk does. Of a
