@@ -43,7 +43,7 @@ ReferenceRender render_with_reference(const PreparedScene& prepared, const rende
                                       const std::function<bool(uint64_t done, uint64_t total)>& progress) {
   const reference::Settings wanted = render::reference_settings(plan);
   const reference::World world(prepared, wanted.ndf, wanted.shadowing, plan.asked.light_sampling,
-                               plan.has_energy_compensation, plan.light_guide);
+                               plan.has_energy_compensation, plan.light_guide, plan.walk_guide);
   const uint64_t pixels = wanted.window().pixels();
   const reference::Film film = reference::render(
       world, wanted, [&](uint32_t done, uint32_t total) { return progress(done * pixels, total * pixels); });

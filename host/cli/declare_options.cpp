@@ -195,6 +195,12 @@ void declare_transport(CLI::App& command, RenderOptions& options) {
                           many_lights()))
       ->type_name(listed(names::LIGHT_SAMPLING))
       ->default_str("auto");
+  add_setting(
+      command, options, "--guide",
+      "Camera paths look where light comes from: on, off (by their materials alone), or auto, where a "
+      "training before the render shows that it pays")
+      ->type_name(listed(names::LIGHT_GUIDE))
+      ->default_str("off");
   add_setting(command, options, "--guide-light",
               "Light paths go where the camera looks: on, off (by power alone), or auto, where a training "
               "before the render shows that it pays")

@@ -176,6 +176,16 @@ Json light_guide_json(const render::Plan& plan) {
   return {{"used", plan.light_guide != nullptr}, {"why", why}};
 }
 
+// The same of camera walks.
+Json walk_guide_json(const render::Plan& plan) {
+  const std::string* dropped = plan.why_dropped("guided camera walks");
+  const std::string why = plan.asked.walk_guide == LIGHT_GUIDE_OFF ? "the settings ask for none"
+                          : dropped != nullptr                     ? "dropped: " + *dropped
+                          : !plan.walk_guide_rule.empty()          ? plan.walk_guide_rule
+                                                                   : "no camera path goes on from a surface";
+  return {{"used", plan.walk_guide != nullptr}, {"why", why}};
+}
+
 /// A point of the scene's frame in the file's world.
 Json in_world(const scene::Scene& scene, const glm::vec3& point) {
   const glm::dvec3 world = scene.origin + glm::dvec3(point);
@@ -227,6 +237,7 @@ Json inspect(const InspectOptions& options) {
       {"techniques", {{"set", render::technique_set_name(plan.techniques)}, {"rule", plan.techniques_rule}}},
       {"regularization", regularization_json(plan)},
       {"light_guide", light_guide_json(plan)},
+      {"walk_guide", walk_guide_json(plan)},
       {"merge_radius",
        {{"metres", radius.metres},
         {"rule", radius.rule},
@@ -301,6 +312,8 @@ void print(const Json& scene) {
       say("dropped          {}: {}\n", dropped["what"].get<std::string>(), dropped["why"].get<std::string>());
   say("light guide      {}: {}\n", scene["light_guide"]["used"] ? "yes" : "no",
       scene["light_guide"]["why"].get<std::string>());
+  say("walk guide       {}: {}\n", scene["walk_guide"]["used"] ? "yes" : "no",
+      scene["walk_guide"]["why"].get<std::string>());
   say("merge radius     {:g} m: {}{}\n", scene["merge_radius"]["metres"].get<double>(),
       scene["merge_radius"]["rule"].get<std::string>(),
       scene["merge_radius"]["used"] ? "" : "; its integrator does not merge");

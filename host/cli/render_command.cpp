@@ -173,6 +173,8 @@ void render_prepared(const RenderOptions& options, const RenderOutputs& outputs,
   if (!plan.shadow_roulette_rule.empty())
     spdlog::info("shadow rays that would carry less than {:.3g} play roulette: {}", plan.shadow_roulette,
                  plan.shadow_roulette_rule);
+  if (!plan.walk_guide_rule.empty() && plan.why_dropped("guided camera walks") == nullptr)
+    spdlog::info("{} guided camera walks: {}", plan.walk_guide ? "with" : "without", plan.walk_guide_rule);
   for (const render::Dropped& dropped : plan.dropped)
     spdlog::info("without {}: {}", dropped.what, dropped.why);
   times.bvh_seconds = session.stopwatch.lap();

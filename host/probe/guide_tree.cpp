@@ -50,12 +50,14 @@ std::vector<size_t> guided_axes(uint32_t kind) {
 /// One tree of the guide.
 class Tree {
  public:
-  /// `defensive`: share of the whole box that is spread evenly.
-  Tree(std::vector<GuideNode>& nodes, std::vector<size_t> axes, Deposits deposits, double defensive)
+  /// `defensive`: share of the whole box that is spread evenly. `least`: deposits of a box that is halved.
+  Tree(std::vector<GuideNode>& nodes, std::vector<size_t> axes, Deposits deposits, double defensive,
+       size_t least)
       : nodes_(nodes),
         axes_(std::move(axes)),
         whole_(static_cast<double>(weight_of(deposits))),
-        defensive_(defensive) {
+        defensive_(defensive),
+        least_(least) {
     root_ = static_cast<uint32_t>(nodes_.size());
     nodes_.push_back({1, GUIDE_LEAF});
     grow(root_, deposits, {}, 1);
@@ -67,7 +69,7 @@ class Tree {
   using Halvings = std::array<uint32_t, 4>;
 
   void grow(uint32_t index, Deposits inside, const Halvings& halvings, double volume) {
-    if (inside.size() < LEAST_TO_HALVE) return;
+    if (inside.size() < least_) return;
     const std::optional<size_t> axis = axis_to_halve(inside, halvings);
     if (!axis) return;
     const auto upper = std::partition(inside.begin(), inside.end(), [&](const Deposit& deposit) {
@@ -117,6 +119,7 @@ class Tree {
   std::vector<GuideNode>& nodes_;
   std::vector<size_t> axes_;
   double whole_, defensive_;
+  size_t least_;
   uint32_t root_ = 0;
 };
 
@@ -198,7 +201,8 @@ class GuideMaker {
     uint32_t root = 0;
     // So that light by power alone is DEFENSIVE_SHARE of what it is without a guide, start by start.
     if (is_of_one_kind && deposits.size() >= LEAST_TO_HALVE)
-      root = Tree(guide_.nodes, guided_axes(kind), deposits, DEFENSIVE_SHARE * power / share).root();
+      root = Tree(guide_.nodes, guided_axes(kind), deposits, DEFENSIVE_SHARE * power / share, LEAST_TO_HALVE)
+                 .root();
     for (size_t i = begin; i < end; ++i) {
       const uint32_t light = order_[i];
       probabilities_[light] = share * static_cast<double>(scene_.lights[light].selection_pdf) / power;
@@ -218,23 +222,39 @@ class GuideMaker {
 
 }  // namespace
 
+uint64_t whole_weight(double weight, double mean) {
+  constexpr double MOST_OF_MEAN = 32;
+  constexpr double UNIT_OF_MEAN = 0x1p-16;
+  return static_cast<uint64_t>(std::min(weight / mean, MOST_OF_MEAN) / UNIT_OF_MEAN);
+}
+
+uint32_t add_tree(std::vector<GuideNode>& nodes, const std::vector<size_t>& axes, Deposits deposits,
+                  double defensive, size_t least) {
+  return Tree(nodes, axes, deposits, defensive, least).root();
+}
+
+double tree_density(const std::vector<GuideNode>& nodes, uint32_t root, const Deposit& deposit) {
+  double density = 1;
+  std::array<uint32_t, 4> halvings{};
+  uint32_t index = root;
+  while (nodes[index].next != GUIDE_LEAF) {
+    const GuideNode node = nodes[index];
+    const size_t axis = node.next & GUIDE_AXIS_MASK;
+    const bool is_upper = is_in_upper_half(deposit, axis, halvings[axis]++);
+    density *= 2 * (is_upper ? 1 - double{node.first_share} : double{node.first_share});
+    index = (node.next >> GUIDE_AXIS_BITS) + (is_upper ? 1 : 0);
+  }
+  return density;
+}
+
 scene::LightGuide make_light_guide(const scene::Scene& scene, std::vector<Deposit> deposits) {
   return GuideMaker(scene, std::move(deposits)).make();
 }
 
 double share_of_start(const scene::Scene& scene, const scene::LightGuide& guide, const Deposit& deposit) {
   const GuidedLight& light = guide.lights[deposit.light];
-  double share = double{light.selection_pdf} / double{scene.lights[deposit.light].selection_pdf};
-  std::array<uint32_t, 4> halvings{};
-  uint32_t index = light.root;
-  while (guide.nodes[index].next != GUIDE_LEAF) {
-    const GuideNode node = guide.nodes[index];
-    const size_t axis = node.next & GUIDE_AXIS_MASK;
-    const bool is_upper = is_in_upper_half(deposit, axis, halvings[axis]++);
-    share *= 2 * (is_upper ? 1 - double{node.first_share} : double{node.first_share});
-    index = (node.next >> GUIDE_AXIS_BITS) + (is_upper ? 1 : 0);
-  }
-  return share;
+  return double{light.selection_pdf} / double{scene.lights[deposit.light].selection_pdf} *
+         tree_density(guide.nodes, light.root, deposit);
 }
 
 }  // namespace regulus::probe

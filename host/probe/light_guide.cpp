@@ -18,8 +18,6 @@ using namespace interface;
 namespace {
 
 constexpr uint32_t PIXELS_AT_A_TIME = 64;  // pixels that a thread takes at a time
-constexpr double MOST_OF_MEAN = 32;        // a deposit counts as this many means at most
-constexpr double UNIT_OF_MEAN = 0x1p-16;   // and in these units
 
 /// A deposit before the mean is known.
 struct Found {
@@ -125,7 +123,7 @@ Deposit deposit_of(const Found& found, double mean) {
   for (int axis = 0; axis < 4; ++axis)
     deposit.cell[static_cast<size_t>(axis)] =
         static_cast<uint16_t>(std::clamp(found.numbers[axis] * CELLS, 0.0, CELLS - 1));
-  deposit.weight = static_cast<uint64_t>(std::min(found.weight / mean, MOST_OF_MEAN) / UNIT_OF_MEAN);
+  deposit.weight = whole_weight(found.weight, mean);
   return deposit;
 }
 

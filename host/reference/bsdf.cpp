@@ -120,6 +120,13 @@ Bsdf Bsdf::in_relief_shadow() const {
   return other;
 }
 
+Bsdf Bsdf::with_guide(double share, double density) const {
+  Bsdf other = *this;
+  other.guide_share_ = share;
+  other.guide_density_ = density;
+  return other;
+}
+
 Bsdf Bsdf::with_unit_density() const {
   Bsdf other = *this;
   other.surface_.has_unit_density = other.coat_.has_unit_density = true;
@@ -473,8 +480,10 @@ double Bsdf::base_pdf(const dvec3& wo_material, const dvec3& wi_material) const 
   const dvec3 wi = wo_material.z < 0 ? mirror_z(wi_material) : wi_material;
   if (wo.z == 0 || wi.z == 0) return 0;
   const double p_diffuse = diffuse_probability(wo_material);
-  const double cosine =
-      wi.z > 0 && !is_in_relief_shadow_ ? p_diffuse * diffuse_pdf(wi.z, eta, sheen_share(wo_material)) : 0;
+  double cosine = 0;
+  if (wi.z > 0 && !is_in_relief_shadow_)
+    cosine =
+        p_diffuse * std::lerp(diffuse_pdf(wi.z, eta, sheen_share(wo_material)), guide_density_, guide_share_);
   if (is_delta()) return cosine;
   if (wi.z < 0 && parameters_.transmission == 0) return 0;
   if (wi.z < 0 && parameters_.is_volume) return (1 - p_diffuse) * refraction_pdf(wo, wi, eta);

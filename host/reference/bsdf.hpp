@@ -153,6 +153,13 @@ class Bsdf {
   /// The same where a relief shadows it: the diffuse lobe is dark, the choice between lobes stays.
   Bsdf in_relief_shadow() const;
 
+  /// The same where, for one pair of directions, a guide with this density (1/sr) draws a share of the
+  /// diffuse lobe's samples: pdf() is that of the direction towards the light.
+  Bsdf with_guide(double share, double density) const;
+
+  /// The same without it.
+  Bsdf without_guide() const { return with_guide(0, 0); }
+
   /// The same with a density of facets of 1 in value() and pdf(), see Microsurface::has_unit_density.
   Bsdf with_unit_density() const;
 
@@ -230,6 +237,7 @@ class Bsdf {
   SpecularDielectric dielectric_;
   uint32_t energy_index_ = 0;  // of the tables for this index of refraction
   bool is_in_relief_shadow_ = false;
+  double guide_share_ = 0, guide_density_ = 0;
   double base_scale_ = 1, coat_scale_ = 1;  // of the microfacet lobes' values
   glm::dvec2 own_alpha_ = glm::dvec2(0);    // of the material itself, also where a lobe is raised
   double energy_roughness_ = 0;             // likewise

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "reference/environment.hpp"
+#include "reference/guide_tree.hpp"
 #include "reference/sampling.hpp"
 
 namespace regulus::reference {
@@ -16,19 +17,6 @@ using std::numbers::pi;
 using namespace interface;
 
 namespace {
-
-constexpr double BELOW_ONE = 1 - 0x1p-24;
-
-/// Share of a turn, in [0, 1), at which a direction lies around the z axis.
-double turn_of(const dvec3& w) {
-  const double turn = std::atan2(w.y, w.x) / (2 * pi);
-  return std::min(turn < 0 ? turn + 1 : turn, BELOW_ONE);
-}
-
-/// Inverse of sample_sphere().
-dvec2 sphere_numbers(const dvec3& w) {
-  return {std::clamp((1 - w.z) / 2, 0.0, BELOW_ONE), turn_of(w)};
-}
 
 /// Inverse of sample_disk(): the square's point lies on the same spoke, at the radius in the maximum norm.
 dvec2 disk_numbers(const dvec2& p) {
@@ -88,39 +76,11 @@ dvec4 start_numbers(const World& world, const LightPoint& point, const dvec3& di
 }
 
 double guide_density(const scene::LightGuide& guide, uint32_t light, const dvec4& numbers) {
-  dvec4 lower(0);
-  dvec4 upper(1);
-  double share = 1;
-  uint32_t index = guide.lights[light].root;
-  for (const GuideNode* node = &guide.nodes[index]; node->next != GUIDE_LEAF; node = &guide.nodes[index]) {
-    const auto axis = static_cast<int>(node->next & GUIDE_AXIS_MASK);
-    const double middle = (lower[axis] + upper[axis]) / 2;
-    const bool is_lower = numbers[axis] < middle;
-    (is_lower ? upper : lower)[axis] = middle;
-    share *= is_lower ? double{node->first_share} : 1 - double{node->first_share};
-    index = (node->next >> GUIDE_AXIS_BITS) + (is_lower ? 0 : 1);
-  }
-  const dvec4 size = upper - lower;
-  return share / (size.x * size.y * size.z * size.w);
+  return tree_density(guide.nodes, guide.lights[light].root, numbers);
 }
 
 dvec4 guide_start(const scene::LightGuide& guide, uint32_t light, const dvec4& u) {
-  dvec4 lower(0);
-  dvec4 upper(1);
-  glm::vec4 first(0);  // the numbers that lead into the box
-  glm::vec4 last(1);
-  const glm::vec4 number(u);
-  uint32_t index = guide.lights[light].root;
-  for (const GuideNode* node = &guide.nodes[index]; node->next != GUIDE_LEAF; node = &guide.nodes[index]) {
-    const auto axis = static_cast<int>(node->next & GUIDE_AXIS_MASK);
-    const float middle = first[axis] + node->first_share * (last[axis] - first[axis]);
-    const bool is_lower = number[axis] < middle;
-    (is_lower ? last : first)[axis] = middle;
-    (is_lower ? upper : lower)[axis] = (lower[axis] + upper[axis]) / 2;
-    index = (node->next >> GUIDE_AXIS_BITS) + (is_lower ? 0 : 1);
-  }
-  const dvec4 place = (u - dvec4(first)) / (dvec4(last) - dvec4(first));
-  return lower + (upper - lower) * clamp(place, 0.0, BELOW_ONE);
+  return tree_start(guide.nodes, guide.lights[light].root, u);
 }
 
 }  // namespace regulus::reference

@@ -142,6 +142,13 @@ dvec3 to_material(const Surface& surface, const dvec3& w) {
   return material_basis(surface, surface.shading_normal).to_local(w);
 }
 
+GuideCell cell_towards(const Surface& surface, const dvec3& w_camera) {
+  if (surface.walk_guide == nullptr) return {};
+  const bool is_back = dot(w_camera, surface.geometric_normal) < 0;
+  return guide_cell(*surface.walk_guide, surface.position,
+                    is_back ? -surface.geometric_normal : surface.geometric_normal);
+}
+
 bool sides_agree(const Surface& surface, const dvec3& w) {
   return dot(w, surface.geometric_normal) * dot(w, surface.shading_normal) > 0;
 }
@@ -193,7 +200,16 @@ VertexScattering scattering_between(const Surface& surface, const Bsdf& material
       bsdf.value(local_camera, local_light, TransportMode::Radiance) * normal_correction(surface, w_light);
   result.forward = bsdf.pdf(local_light, local_camera);
   result.reverse = bsdf.pdf(local_camera, local_light);
-  result.raised = raised_between(surface, bsdf, w_light, lit.w, w_camera, nullptr, regularization);
+  const GuideCell cell = cell_towards(surface, w_camera);
+  if (cell.share > 0) {
+    const Bsdf guided = bsdf.with_guide(cell.share, guided_pdf(*surface.walk_guide, cell, w_light));
+    const double plain = result.reverse;
+    result.reverse = guided.pdf(local_camera, local_light);
+    if (plain > 0) result.guiding = result.reverse / plain;
+    result.raised = raised_between(surface, guided, w_light, lit.w, w_camera, nullptr, regularization);
+  } else {
+    result.raised = raised_between(surface, bsdf, w_light, lit.w, w_camera, nullptr, regularization);
+  }
   if (regularization.is_virtual && result.raised && !tries.of_base.empty())
     measure_virtually(surface, bsdf, w_light, lit.w, w_camera, regularization, tries, *result.raised);
   if (regularization.has_bounds)

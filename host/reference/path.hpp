@@ -11,6 +11,7 @@
 #include "reference/lights.hpp"
 #include "reference/regularization.hpp"
 #include "reference/sampling.hpp"
+#include "reference/walk_guide.hpp"
 #include "reference/world.hpp"
 
 namespace regulus::reference {
@@ -35,6 +36,7 @@ struct VertexScattering {
   glm::dvec3 value{0};  ///< rho, 1/sr, with |w_light . n_s| / |w_light . n_g| (Veach 1997, 5.3)
   double forward = 0;   ///< solid-angle pdf of w_camera for a walk that came from w_light
   double reverse = 0;   ///< solid-angle pdf of w_light for a walk that came from w_camera
+  double guiding = 1;   ///< that over what it would be without a guide
   bool is_delta = false;
   bool diffuses = false;  ///< see diffuses(): vertices on the light's side of this one are regularized
   bool is_always_raised = false;  ///< without path diffusion, or by the camera path's own bundle
@@ -149,6 +151,9 @@ struct SamplingFrame {
   bool is_back_;
   Basis basis_;
 };
+
+/// How a guided camera walk that arrives from unit direction w_camera looks for light there.
+GuideCell cell_towards(const Surface& surface, const glm::dvec3& w_camera);
 
 /// True if both normals see w on the same side.
 bool sides_agree(const Surface& surface, const glm::dvec3& w);

@@ -196,7 +196,7 @@ std::optional<RaisedScattering> raise(const Bsdf& bsdf, const dvec3& wo, const d
   RaisedScattering raised;
   raised.value = wide.value(wo, wi, TransportMode::Radiance);
   raised.pdf_wi = bsdf.pdf(wo, wi);
-  raised.pdf_wo = bsdf.pdf(wi, wo);
+  raised.pdf_wo = bsdf.without_guide().pdf(wi, wo);
   const double in_weights = value_in_weights(bsdf, wide, wo, wi, regularization);
   const double plain = luminance_of(bsdf, wo, wi);
   raised.ratio = !is_delta_event && plain > 0 ? in_weights / plain : 0;

@@ -30,6 +30,15 @@ dvec3 sample_sphere(const dvec2& u) {
   return {sin_theta * std::cos(2 * pi * u.y), sin_theta * std::sin(2 * pi * u.y), z};
 }
 
+double turn_of(const dvec3& w) {
+  const double turn = std::atan2(w.y, w.x) / (2 * pi);
+  return std::min(turn < 0 ? turn + 1 : turn, BELOW_ONE);
+}
+
+dvec2 sphere_numbers(const dvec3& w) {
+  return {std::clamp((1 - w.z) / 2, 0.0, BELOW_ONE), turn_of(w)};
+}
+
 dvec3 sample_cone(const dvec2& u, double cos_max) {
   const double z = 1 - u.x * (1 - cos_max);
   const double sin_theta = std::sqrt(std::max(0.0, 1 - z * z));

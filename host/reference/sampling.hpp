@@ -6,6 +6,9 @@
 
 namespace regulus::reference {
 
+/// The largest number below 1 that single precision has.
+inline constexpr double BELOW_ONE = 1 - 0x1p-24;
+
 /// Uniform on the unit disk (density 1 / pi). Shirley and Chiu 1997, concentric map.
 glm::dvec2 sample_disk(const glm::dvec2& u);
 
@@ -14,6 +17,12 @@ glm::dvec3 sample_cosine_hemisphere(const glm::dvec2& u);
 
 /// Uniform on the unit sphere (density 1 / (4 pi)).
 glm::dvec3 sample_sphere(const glm::dvec2& u);
+
+/// Its inverse, below 1.
+glm::dvec2 sphere_numbers(const glm::dvec3& w);
+
+/// Share of a turn, in [0, 1), at which a direction lies around the z axis.
+double turn_of(const glm::dvec3& w);
 
 /// Uniform in the cone about z with cos(theta) >= cos_max (density 1 / (2 pi (1 - cos_max))).
 glm::dvec3 sample_cone(const glm::dvec2& u, double cos_max);

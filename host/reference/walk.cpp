@@ -23,6 +23,25 @@ double index_ahead(const WalkVertex& vertex) {
   return vertex.bsdf.relative_index(to_material(vertex.surface, as_seen(vertex.surface, vertex.w_back)));
 }
 
+/// The direction that a guided camera walk takes in place of one of the diffuse lobe, if `u` says so: invalid
+/// where no light of that lobe comes from there.
+std::optional<BsdfSample> guided_sample(const WalkVertex& vertex, const dvec4& u) {
+  const Surface& surface = vertex.surface;
+  const GuideCell cell = cell_towards(surface, vertex.w_back);
+  if (!(cell.share > 0)) return std::nullopt;
+  const dvec3 wo = to_material(surface, as_seen(surface, vertex.w_back));
+  const double p_coat = vertex.bsdf.coat_probability(wo);
+  // Of the numbers that choose a lobe, the diffuse one has those from p_coat on.
+  const double left = (u.x - p_coat) / ((1 - p_coat) * vertex.bsdf.diffuse_probability(wo));
+  if (!(left >= 0 && left < cell.share)) return std::nullopt;
+  BsdfSample sample;
+  sample.is_diffuse = true;
+  sample.wi = guided_direction(*surface.walk_guide, cell, {u.y, u.z});
+  const Lit lit = lit_from(surface, sample.wi, vertex.w_back);
+  sample.is_valid = !lit.is_dark && !lit.is_in_relief_shadow && to_material(surface, lit.w).z * wo.z > 0;
+  return sample;
+}
+
 /// Samples the bsdf in the frame that device and reference share: Basis on the shading normal of the side on
 /// which w_back is. Returns the sample with its wi in world space; invalid where no light goes that way.
 BsdfSample sample_direction(const WalkVertex& vertex, const dvec4& u, TransportMode transport) {
@@ -173,9 +192,10 @@ template <typename Survival>
 bool continue_walk(const World& world, WalkVertex& vertex, WalkState& state, const dvec4& u,
                    TransportMode transport, const Regularization& regularization,
                    const Survival& survival_of) {
-  const BsdfSample sample = sample_direction(vertex, u, transport);
-  if (!sample.is_valid) return false;
   const bool is_radiance = transport == TransportMode::Radiance;
+  const std::optional<BsdfSample> guided = is_radiance ? guided_sample(vertex, u) : std::nullopt;
+  const BsdfSample sample = guided ? *guided : sample_direction(vertex, u, transport);
+  if (!sample.is_valid) return false;
   vertex.sample = sample;
   const dvec3& w_light = is_radiance ? sample.wi : vertex.w_back;
   const dvec3& w_camera = is_radiance ? vertex.w_back : sample.wi;
@@ -295,6 +315,8 @@ bool scatter_from_camera(const World& world, WalkVertex& vertex, WalkState& stat
       const double eta = index_ahead(vertex);
       state.eta_scale *= eta * eta;
     }
+    // A guide that is sure of a direction makes throughput small, and nothing that follows less bright.
+    state.eta_scale *= vertex.scattering.guiding;
     return bounce < ROULETTE_FIRST_BOUNCE
                ? 1.0
                : std::min(1.0, largest_component(state.throughput * weight) * state.eta_scale);

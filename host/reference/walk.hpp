@@ -102,7 +102,8 @@ struct WalkState {
   glm::dvec3 position{0}, direction{0};
   glm::dvec3 throughput{1};
   double survival = 1;
-  double eta_scale = 1;  ///< product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2)
+  double eta_scale = 1;  ///< product of squared index ratios, which camera roulette undoes (PBR 4ed, 14.2);
+                         ///< of what a guide does, too
   uint32_t medium = interface::INVALID_INDEX;
   Place place{};   ///< where the next ray starts; on arrival the solids there
   double cut = 0;  ///< m of the next edge that lie before the camera's near plane

@@ -32,13 +32,15 @@ constexpr double MIN_MAPPED_COS = 0.01;
 }  // namespace
 
 World::World(const PreparedScene& prepared, uint32_t ndf, uint32_t shadowing, uint32_t light_sampling,
-             bool compensates_energy, std::shared_ptr<const scene::LightGuide> light_guide)
+             bool compensates_energy, std::shared_ptr<const scene::LightGuide> light_guide,
+             std::shared_ptr<const scene::WalkGuide> walk_guide)
     : scene_(prepared.scene),
       traversal_(prepared.bvh, &prepared.scene),
       ndf_(ndf),
       shadowing_(shadowing),
       light_sampling_(scene::resolve_light_sampling(light_sampling, scene_.lights.size())),
       light_guide_(std::move(light_guide)),
+      walk_guide_(std::move(walk_guide)),
       center_(0.5f * (scene_.bounds_min + scene_.bounds_max)),
       radius_(0.5 * glm::length(dvec3(scene_.bounds_max) - dvec3(scene_.bounds_min))),
       has_smooth_normals_((prepared.features.bits & FEATURE_SMOOTH_NORMALS) != 0),
@@ -86,6 +88,7 @@ Surface World::surface_at(uint32_t index, const dvec2& barycentrics) const {
   surface.triangle = index;
   surface.material = triangle.material;
   surface.light = triangle.light;
+  surface.walk_guide = walk_guide_.get();
   const dvec3 sum = b.x * dvec3(v0.normal) + b.y * dvec3(v1.normal) + b.z * dvec3(v2.normal);
   if (has_smooth_normals_ && dot(sum, sum) > 1e-12) {  // normals that cancel say nothing
     const double sign_of_normals = dot(sum, cross) < 0 ? -1 : 1;

@@ -18,6 +18,7 @@
 #include "scene/placement.hpp"
 #include "scene/scene.hpp"
 #include "scene/texture.hpp"
+#include "scene/walk_guide.hpp"
 
 namespace regulus::reference {
 
@@ -44,6 +45,7 @@ struct Surface {
   /// The side on which the vertex normals spread: 1 the front, -1 the back, 0 neither.
   int bulge = 0;
   glm::dvec3 rise{0};  ///< way to the curved surface that they suggest on that side, m (Hanika 2021)
+  const scene::WalkGuide* walk_guide = nullptr;  ///< by which camera walks look for light; null: by none
 };
 
 /// Where a ray starts: the solids around it and the surface that it leaves, if any.
@@ -59,7 +61,8 @@ class World {
   explicit World(const PreparedScene& prepared, uint32_t ndf = interface::NDF_GGX,
                  uint32_t shadowing = interface::SHADOWING_SMITH,
                  uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO, bool compensates_energy = false,
-                 std::shared_ptr<const scene::LightGuide> light_guide = nullptr);
+                 std::shared_ptr<const scene::LightGuide> light_guide = nullptr,
+                 std::shared_ptr<const scene::WalkGuide> walk_guide = nullptr);
 
   const scene::Scene& scene() const { return scene_; }
 
@@ -170,6 +173,7 @@ class World {
   Traversal traversal_;
   uint32_t ndf_, shadowing_, light_sampling_;
   std::shared_ptr<const scene::LightGuide> light_guide_;
+  std::shared_ptr<const scene::WalkGuide> walk_guide_;
   glm::dvec3 center_;
   double radius_;
   bool has_smooth_normals_;

@@ -27,6 +27,12 @@ const scene::LightGuide& light_guide_of(const Plan& plan) {
   return plan.light_guide ? *plan.light_guide : NO_LIGHT_GUIDE;
 }
 
+const scene::WalkGuide NO_WALK_GUIDE;
+
+const scene::WalkGuide& walk_guide_of(const Plan& plan) {
+  return plan.walk_guide ? *plan.walk_guide : NO_WALK_GUIDE;
+}
+
 const scene::Solids NO_SOLIDS;
 
 const scene::Solids& solids_of(const scene::Scene& scene) {
@@ -97,6 +103,7 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       guided_lights_(gpu::upload_new(device, light_guide_of(plan).lights, "guided lights")),
       guided_light_aliases_(gpu::upload_new(device, light_guide_of(plan).aliases, "guided light aliases")),
       guide_nodes_(gpu::upload_new(device, light_guide_of(plan).nodes, "guide nodes")),
+      walk_guide_nodes_(gpu::upload_new(device, walk_guide_of(plan).nodes, "nodes of the walk's guide")),
       environment_texels_(gpu::upload_new(device, environment_of(scene).texels, "environment texels")),
       environment_cdf_(gpu::upload_new(device, environment_of(scene).cdf, "environment distribution")),
       energy_tables_(energy_tables_of(device, prepared, plan)),
@@ -115,6 +122,8 @@ DeviceScene::DeviceScene(gpu::Device& device, const PreparedScene& prepared, con
       instance_block_shift_(scene.instance_block_shift),
       center_(0.5f * (scene.bounds_min + scene.bounds_max)),
       radius_(0.5f * glm::length(scene.bounds_max - scene.bounds_min)),
+      walk_guide_corner_(walk_guide_of(plan).corner),
+      walk_guide_scale_(walk_guide_of(plan).scale),
       camera_media_(scene.solids.has_contacts ? scene.solids.of_camera.at(plan.camera) : 0),
       lens_medium_(scene.solids.has_contacts ? medium_of_lens(scene, plan.camera)
                                              : interface::INVALID_INDEX) {
@@ -147,6 +156,9 @@ void DeviceScene::fill(interface::Frame& frame) const {
   frame.guided_lights = address(guided_lights_);
   frame.guided_light_aliases = address(guided_light_aliases_);
   frame.guide_nodes = address(guide_nodes_);
+  frame.walk_guide_nodes = address(walk_guide_nodes_);
+  frame.walk_guide_corner = walk_guide_corner_;
+  frame.walk_guide_scale = walk_guide_scale_;
   frame.environment_texels = address(environment_texels_);
   frame.environment_cdf = address(environment_cdf_);
   frame.energy_tables = address(energy_tables_);

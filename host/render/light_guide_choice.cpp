@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "probe/light_guide.hpp"
-#include "reference/walk.hpp"
 #include "reference/world.hpp"
 
 namespace regulus::render {
@@ -20,6 +19,8 @@ constexpr uint32_t TRAINING_SAMPLES = 8;
 // decide about the error, and light that the training met too rarely could make it worse.
 constexpr double LEAST_GAIN = 4;
 
+}  // namespace
+
 reference::Settings training_settings(const RenderSettings& settings) {
   const double aspect = static_cast<double>(settings.width) / settings.height;
   const double height = std::sqrt(TRAINING_PIXELS / aspect);
@@ -33,8 +34,6 @@ reference::Settings training_settings(const RenderSettings& settings) {
   result.shadowing = settings.shadowing;
   return result;
 }
-
-}  // namespace
 
 LightGuideChoice choose_light_guide(const PreparedScene& prepared, const RenderSettings& settings) {
   const reference::World world(prepared, settings.ndf, settings.shadowing, settings.light_sampling,

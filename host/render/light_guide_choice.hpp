@@ -5,10 +5,15 @@
 #include <string>
 
 #include "prepared/prepared_scene.hpp"
+#include "reference/walk.hpp"
 #include "render/settings.hpp"
 #include "scene/light_guide.hpp"
 
 namespace regulus::render {
+
+/// What the reference walks to train guides: a film of few pixels of the picture's shape, without
+/// regularization.
+reference::Settings training_settings(const RenderSettings& settings);
 
 /// What was chosen and why.
 struct LightGuideChoice {

@@ -13,6 +13,7 @@
 #include "render/shadow_roulette_choice.hpp"
 #include "render/state.hpp"
 #include "render/technique_choice.hpp"
+#include "render/walk_guide_choice.hpp"
 
 namespace regulus::render {
 
@@ -128,6 +129,20 @@ void plan_shadow_roulette(Plan& plan, const PreparedScene& prepared) {
   plan.shadow_roulette_rule = choice.why;
 }
 
+void plan_walk_guide(Plan& plan, const PreparedScene& prepared) {
+  if (plan.asked.walk_guide == LIGHT_GUIDE_OFF) return;
+  const bool is_on = plan.asked.walk_guide == LIGHT_GUIDE_ON;
+  // Splats need no camera walk; what others have after one edge needs no choice of a direction.
+  if (!has(plan, ~TECHNIQUE_SPLAT) || plan.max_depth < 2) {
+    if (is_on) plan.dropped.push_back({"guided camera walks", "no camera path goes on from a surface"});
+    return;
+  }
+  WalkGuideChoice choice = choose_walk_guide(prepared, plan.asked);
+  plan.walk_guide = std::move(choice.guide);
+  plan.walk_guide_rule = std::move(choice.why);
+  if (!plan.walk_guide && is_on) plan.dropped.push_back({"guided camera walks", plan.walk_guide_rule});
+}
+
 // Decides how waves run, which follows from the choices.
 void plan_waves(Plan& plan) {
   plan.connections_per_vertex = !has(plan, TECHNIQUE_CONNECT) ? 0
@@ -163,6 +178,7 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
   plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
   plan_light_guide(plan, prepared);
   plan_shadow_roulette(plan, prepared);
+  plan_walk_guide(plan, prepared);
   plan_merge_radius(plan, prepared);
   plan_waves(plan);
   return plan;

@@ -12,6 +12,7 @@
 #include "render/layers.hpp"
 #include "render/settings.hpp"
 #include "scene/light_guide.hpp"
+#include "scene/walk_guide.hpp"
 
 namespace regulus::reference {
 struct MergeRadius;   // reference/merge_radius.hpp
@@ -34,7 +35,10 @@ struct Plan : CommonSettings {
   /// By which light paths start; null: by power.
   std::shared_ptr<const scene::LightGuide> light_guide;
   std::string light_guide_rule;  ///< why, in words; empty: nobody asked for one
-  float shadow_roulette = 0;  ///< W/(m^2 sr): shadow rays that would carry less play roulette; 0: none does
+  /// By which camera walks look for light; null: by their bsdfs alone.
+  std::shared_ptr<const scene::WalkGuide> walk_guide;
+  std::string walk_guide_rule;  ///< likewise
+  float shadow_roulette = 0;    ///< W/(m^2 sr): shadow rays that would carry less play roulette; 0: none does
   std::string shadow_roulette_rule;  ///< where it comes from, in words; empty: nobody asked for one
   uint32_t light_paths = 0;          ///< per iteration
   float merge_radius = 0;            ///< metres, of the first iteration; 0: nothing is merged

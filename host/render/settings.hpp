@@ -87,6 +87,7 @@ struct RenderSettings : CommonSettings {
   std::optional<uint32_t> techniques = interface::TECHNIQUE_HIT | interface::TECHNIQUE_NEE;
   uint32_t light_sampling = interface::LIGHT_SAMPLING_AUTO;  ///< LIGHT_SAMPLING_*: nee's choice of a light
   uint32_t light_guide = interface::LIGHT_GUIDE_OFF;         ///< LIGHT_GUIDE_*: how light paths start
+  uint32_t walk_guide = interface::LIGHT_GUIDE_OFF;          ///< LIGHT_GUIDE_*: how camera walks go on
   /// Shadow rays that would carry less than this, W/(m^2 sr), play roulette; 0: every one is traced; none: by
   /// how bright what the camera sees typically is.
   std::optional<float> shadow_roulette = 0.0f;

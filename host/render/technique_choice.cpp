@@ -55,7 +55,7 @@ Plan plan_probe(const PreparedScene& prepared, const RenderSettings& asked, uint
   small.first_sample = PROBED_ITERATION;
   small.samples = PROBE_SAMPLES;
   small.light_paths.reset();
-  small.light_guide = LIGHT_GUIDE_OFF;
+  small.light_guide = small.walk_guide = LIGHT_GUIDE_OFF;
   small.shadow_roulette = 0;
   small.cache_connections = 0;
   shrink_film(small);

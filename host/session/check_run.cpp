@@ -9,6 +9,7 @@
 #include "reference/merge_radius.hpp"
 #include "render/light_guide_choice.hpp"
 #include "render/reference_settings.hpp"
+#include "render/walk_guide_choice.hpp"
 
 namespace regulus::session {
 
@@ -43,6 +44,13 @@ std::shared_ptr<const scene::LightGuide> guide_of_all_sets(const PreparedScene& 
                                                            const render::Plan& plan) {
   if (plan.light_guide || plan.asked.light_guide == LIGHT_GUIDE_OFF) return plan.light_guide;
   return choose_light_guide(prepared, plan.asked).guide;
+}
+
+/// Likewise of camera walks.
+std::shared_ptr<const scene::WalkGuide> walk_guide_of_all_sets(const PreparedScene& prepared,
+                                                               const render::Plan& plan) {
+  if (plan.walk_guide || plan.asked.walk_guide == LIGHT_GUIDE_OFF) return plan.walk_guide;
+  return choose_walk_guide(prepared, plan.asked).guide;
 }
 
 }  // namespace
@@ -140,7 +148,7 @@ render::RenderSettings one_choice(const PreparedScene& prepared, render::RenderS
 CheckedPlan::CheckedPlan(const PreparedScene& prepared, const render::Plan& plan)
     : plan_(plan),
       world_(prepared, plan.ndf, plan.shadowing, plan.asked.light_sampling, plan.has_energy_compensation,
-             guide_of_all_sets(prepared, plan)),
+             guide_of_all_sets(prepared, plan), walk_guide_of_all_sets(prepared, plan)),
       camera_(scene::make_camera(prepared.scene.cameras.at(plan.camera), plan.width, plan.height), plan.width,
               plan.height),
       settings_(render::reference_settings(plan_)),

@@ -134,6 +134,7 @@ std::vector<Setting> make_table() {
       {"light-paths", "per iteration, 1 to 2^28", whole(&RenderSettings::light_paths, 1, 1u << 28)},
       {"light-sampling", list_of(names::LIGHT_SAMPLING),
        choice(&RenderSettings::light_sampling, names::LIGHT_SAMPLING)},
+      {"guide", list_of(names::LIGHT_GUIDE), choice(&RenderSettings::walk_guide, names::LIGHT_GUIDE)},
       {"guide-light", list_of(names::LIGHT_GUIDE), choice(&RenderSettings::light_guide, names::LIGHT_GUIDE)},
       {"shadow-roulette", "off, auto, or a radiance above 0", text_for(&Request::shadow_roulette)},
       {"connections", "paired, or cache:M with M from 1 to 1024", text_for(&Request::connections)},

@@ -28,6 +28,8 @@ struct Frame {
   DeviceAddress guided_lights;         // GuidedLight per light
   DeviceAddress guided_light_aliases;  // by which light paths choose one
   DeviceAddress guide_nodes;
+  // Only with SPEC_WALK_GUIDE.
+  DeviceAddress walk_guide_nodes;
   DeviceAddress environment_texels;  // vec3, row by row; only with a map
   DeviceAddress environment_cdf;     // see Environment; only with a map
   DeviceAddress energy_tables;  // see lib/energy.glsl
@@ -53,6 +55,8 @@ struct Frame {
   float scene_radius;   // m, of the bounding sphere
   Camera camera;
   Environment environment;
+  vec3 walk_guide_corner;      // only with SPEC_WALK_GUIDE: of the guide's bounds
+  vec3 walk_guide_scale;       // 1/m: numbers of a place are (position - corner) scale
   uint light_path_count;       // per iteration: N
   uint light_head_modulus;     // pixel p connects to light path p modulo this; 0: to the one of its own slot
   uint light_vertex_capacity;
@@ -77,7 +81,7 @@ struct Frame {
   uint whole_placed_triangles;       // with FEATURE_ALPHA: how many have none
   uint first_placed_triangle;        // without: the index of the first
 };
-REGULUS_LAYOUT(Frame, 880);
+REGULUS_LAYOUT(Frame, 912);
 
 // Push constants of every stage.
 struct StageArguments {

@@ -16,7 +16,7 @@ struct Path {
                      // above it PATH_DIFFUSED or PATH_PARALLEL, and PATH_DISPERSED
   vec3 throughput;
   uint sample_index; // of the pixel; light path: the iteration, which is the same number
-  float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette
+  float eta_scale;   // camera path: product of (eta_i / eta_t)^2 so far, undone in Russian roulette; so is what a guide does
   uint bounce;       // path edges before this ray
   uint medium;       // material whose absorption the ray passes through, or INVALID_INDEX
   float mis_b;

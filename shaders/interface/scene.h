@@ -236,6 +236,18 @@ REGULUS_CONSTANT GUIDE_AXIS_MASK = 3u;
 REGULUS_CONSTANT GUIDE_HALVINGS = 10u;                    // of one axis at most
 REGULUS_CONSTANT GUIDE_DEPTH = 4u * GUIDE_HALVINGS + 1u;  // nodes on the way to a leaf, at most
 
+// The guided camera walk: from where light comes (docs/mathematics.md 18). Its nodes, too, are GuideNodes, node 0 is the root.
+// From there a vertex finds its cell: a node tells its halves apart by one of the three numbers of the place within the guide's
+// bounds, or by whether a component of the unit normal is less than WALK_GUIDE_SIDE, or less than minus that. A cell has the share
+// of the diffuse lobe's samples that go by the guide, and the root of a tree as above, over the two numbers of sample_sphere.
+REGULUS_CONSTANT WALK_GUIDE_AXIS_BITS = 4u;
+REGULUS_CONSTANT WALK_GUIDE_AXIS_MASK = 15u;
+REGULUS_CONSTANT WALK_GUIDE_NORMALS = 3u;   // axes from here on: of the normal, less than WALK_GUIDE_SIDE
+REGULUS_CONSTANT WALK_GUIDE_REVERSES = 6u;  // likewise, less than minus that
+REGULUS_CONSTANT WALK_GUIDE_CELL = 15u;     // in an axis' place: a cell; next >> WALK_GUIDE_AXIS_BITS is its tree's root
+REGULUS_CONSTANT WALK_GUIDE_DEPTH = 3u * GUIDE_HALVINGS + 7u;  // nodes on the way to a cell, at most
+REGULUS_CONSTANT WALK_GUIDE_SIDE = 30u;     // percent: surfaces along axes are far from it
+
 // The light tree: binary; the two nodes of a pair are siblings, pair 0 holds the root's children, and a leaf is a light. A
 // light's trail tells its leaf: bit k is 1 where the way from the root takes the second node of its pair at depth k.
 // Of each node:

@@ -29,6 +29,7 @@ REGULUS_CONSTANT SPEC_SQUARE_EXPONENT = 19u;  // of the unit of its sums of squa
 REGULUS_CONSTANT SPEC_RAYS = 20u;             // RAYS_*: who has traced the segments of candidates
 REGULUS_CONSTANT SPEC_LIGHT_GUIDE = 21u;      // 1: light paths start as a guide says (lib/light_guide.glsl)
 REGULUS_CONSTANT SPEC_SHADOW_ROULETTE = 22u;  // 1: not every segment is traced (lib/shadow_roulette.glsl)
+REGULUS_CONSTANT SPEC_WALK_GUIDE = 23u;       // 1: camera walks look where light comes from (lib/walk_guide.glsl)
 
 // Who traces rays.
 REGULUS_CONSTANT RAYS_SOFTWARE = 0u;  // kernels (lib/traversal.glsl)
@@ -42,7 +43,7 @@ REGULUS_CONSTANT LIGHT_SAMPLING_BVH = 1u;      // by what each can send to the s
 REGULUS_CONSTANT LIGHT_SAMPLING_UNIFORM = 2u;
 REGULUS_CONSTANT LIGHT_SAMPLING_AUTO = 3u;     // chosen before kernels are built: no kernel sees it
 
-// Whether light paths are guided: what is asked for.
+// Whether light paths, or camera walks, are guided: what is asked for.
 REGULUS_CONSTANT LIGHT_GUIDE_OFF = 0u;
 REGULUS_CONSTANT LIGHT_GUIDE_ON = 1u;
 REGULUS_CONSTANT LIGHT_GUIDE_AUTO = 2u;  // where it pays

@@ -159,6 +159,10 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
     lobes.diffuse = bsdf.diffuse * same_side;
     lobes.diffuse_forward = cos_i * same_side;
     lobes.diffuse_reverse = cos_o * same_side;
+    if (has_walk_guide()) {
+      if (is_turned) lobes.diffuse_reverse = guided_density(bsdf, cos_o) * same_side;
+      else lobes.diffuse_forward = guided_density(bsdf, cos_i) * same_side;
+    }
     return lobes;
   }
   // The reverse walk of a refraction starts on the other side of the interface.
@@ -176,9 +180,14 @@ Lobes bsdf_lobes(Bsdf bsdf, vec3 wo, vec3 wi, Encounter facet, uint transport) {
   lobes.diffuse =
       bsdf.diffuse * base_transmittance(bsdf, passage_o) * base_transmittance(bsdf, passage_i) * same_side;
   if (bsdf_has_film() && same_side > 0.0) lobes.diffuse = film_diffuse(bsdf, lobes.diffuse * PI, cos_o, cos_i) * INV_PI;
-  lobes.diffuse_forward =
-      diffuse_o * diffuse_density(bsdf, cos_i, sheen_share(bsdf, cos_o, s_o, bsdf.sheen.here)) * same_side;
-  lobes.diffuse_reverse = diffuse_i * diffuse_density(bsdf, cos_o, sheen_share(bsdf, cos_i, s_i, sheen_i)) * same_side;
+  float density_i = diffuse_density(bsdf, cos_i, sheen_share(bsdf, cos_o, s_o, bsdf.sheen.here));
+  float density_o = diffuse_density(bsdf, cos_o, sheen_share(bsdf, cos_i, s_i, sheen_i));
+  if (has_walk_guide()) {
+    if (is_turned) density_o = guided_density(bsdf, density_o);
+    else density_i = guided_density(bsdf, density_i);
+  }
+  lobes.diffuse_forward = diffuse_o * density_i * same_side;
+  lobes.diffuse_reverse = diffuse_i * density_o * same_side;
   if (!bsdf_has_rough() && spec_regularization == REGULARIZATION_NONE) {
     if (bsdf_has_sheen()) put_under_sheen(bsdf, wo, wi, facet, same_side > 0.0, lobes);
     if (bsdf_has_coat()) add_coat(bsdf, wo, wi, facet, s_o, s_i, transport, lobes);
@@ -407,43 +416,63 @@ BsdfEval evaluate_delta(Bsdf bsdf, vec3 wo, FacetEvent event, bool is_coat, floa
 const Encounter NO_ENCOUNTER = Encounter(vec3(0.0, 0.0, 1.0), 1.0, 1.0, false, false, false);
 const BsdfSample INVALID_BSDF_SAMPLE = BsdfSample(vec3(0.0, 0.0, 1.0), vec3(0.0), 0.0, 0.0, 0u, 1.0, NO_ENCOUNTER);
 
-// Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
-BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
+// A direction that a walk has chosen, before it is evaluated.
+struct BsdfChoice {
+  vec3 wi;
+  Encounter facet;   // where wo and wi meet
+  BsdfEval delta;    // of a delta event
+  bool is_diffuse;   // by the diffuse lobe
+  bool is_coat;      // by the clearcoat
+  bool is_delta;
+  float u_diffuse;   // of the diffuse lobe: what is left of the number that chose it, in [0, 1)
+};
+
+// Chooses wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
+BsdfChoice bsdf_choose(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
   vec2 s_o = vec2(0.0);
   if (bsdf_has_specular()) s_o = base_passage(bsdf, wo.z, bsdf.excess).xy;
   float sheen = 0.0;
   if (bsdf_has_sheen()) sheen = sheen_share(bsdf, wo.z, s_o, bsdf.sheen.here);
   vec3 diffuse_wi = sample_diffuse(bsdf, u, sheen);
-  Encounter facet = reflection_encounter(wo, diffuse_wi);
-  vec3 wi = diffuse_wi;
-  bool is_diffuse = true;
-  bool is_coat = false;
-  bool is_delta = false;
-  BsdfEval delta;
+  BsdfChoice choice;
+  choice.facet = reflection_encounter(wo, diffuse_wi);
+  choice.wi = diffuse_wi;
+  choice.is_diffuse = true;
+  choice.is_coat = false;
+  choice.is_delta = false;
+  choice.u_diffuse = u_lobe;
   if (bsdf_has_specular()) {
     float diffuse_o = diffuse_probability(bsdf, wo.z, s_o, bsdf.sheen.here);
     float coat_o = bsdf_has_coat() ? coat_choice(bsdf, bsdf.coat, wo.z, coat_cosine(bsdf, wo), s_o).x : 0.0;
-    is_coat = bsdf_has_coat() && u_lobe < coat_o;
+    choice.is_coat = bsdf_has_coat() && u_lobe < coat_o;
     if (bsdf_has_coat()) {
-      u_lobe = is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);
+      u_lobe = choice.is_coat ? u_lobe / max(coat_o, 1e-7) : (u_lobe - coat_o) / max(1.0 - coat_o, 1e-7);
       u_lobe = clamp(u_lobe, 0.0, ONE_MINUS_ULP);
     }
-    is_diffuse = !is_coat && u_lobe < diffuse_o;
+    choice.is_diffuse = !choice.is_coat && u_lobe < diffuse_o;
+    choice.u_diffuse = u_lobe / max(diffuse_o, 1e-7);
     float u_choice = clamp((u_lobe - diffuse_o) / max(1.0 - diffuse_o, 1e-7), 0.0, ONE_MINUS_ULP);
-    if (is_coat) u_choice = u_lobe;
-    FacetEvent event = sample_facet_event(bsdf, wo, is_coat, u_choice, u);
-    is_delta = !is_diffuse && bsdf_has_delta() && (is_coat ? bsdf.coat_alpha.x : bsdf.alpha.x) == 0.0;
-    if (bsdf_has_delta()) delta = evaluate_delta(bsdf, wo, event, is_coat, diffuse_o, transport);
-    wi = is_diffuse ? diffuse_wi : event.wi;
-    if (!is_diffuse) facet = event.facet;
+    if (choice.is_coat) u_choice = u_lobe;
+    FacetEvent event = sample_facet_event(bsdf, wo, choice.is_coat, u_choice, u);
+    choice.is_delta = !choice.is_diffuse && bsdf_has_delta() && (choice.is_coat ? bsdf.coat_alpha.x : bsdf.alpha.x) == 0.0;
+    if (bsdf_has_delta()) choice.delta = evaluate_delta(bsdf, wo, event, choice.is_coat, diffuse_o, transport);
+    choice.wi = choice.is_diffuse ? diffuse_wi : event.wi;
+    if (!choice.is_diffuse) choice.facet = event.facet;
   }
+  return choice;
+}
+
+// Value and pdfs of what was chosen.
+BsdfSample bsdf_sampled(Bsdf bsdf, vec3 wo, BsdfChoice choice, uint transport) {
+  vec3 wi = choice.wi;
+  Encounter facet = choice.facet;
   BsdfEval eval = evaluate_lobes(bsdf_lobes(bsdf, wo, wi, facet, transport));
   float numerator = abs(wi.z);
-  if (bsdf_has_delta() && is_delta) {
-    eval = delta;
+  if (bsdf_has_delta() && choice.is_delta) {
+    eval = choice.delta;
     numerator = 1.0;
   }
-  bool is_dark = is_diffuse && is_in_relief_shadow(bsdf, transport == TRANSPORT_RADIANCE ? wi : wo);
+  bool is_dark = choice.is_diffuse && is_in_relief_shadow(bsdf, transport == TRANSPORT_RADIANCE ? wi : wo);
   bool is_valid = facet.is_valid && wo.z > 0.0 && numerator > 0.0 && eval.pdf_forward > 0.0 && !is_dark;
   if (!is_valid) return INVALID_BSDF_SAMPLE;
 
@@ -453,12 +482,25 @@ BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport)
   result.weight = eval.value * (numerator / eval.pdf_forward);
   result.pdf_forward = eval.pdf_forward;
   result.pdf_reverse = eval.pdf_reverse;
-  result.flags = BSDF_SAMPLE_VALID | (is_delta ? BSDF_SAMPLE_DELTA : 0u) |
-                 (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u) | (is_diffuse ? BSDF_SAMPLE_DIFFUSE : 0u) |
-                 (is_coat ? BSDF_SAMPLE_COAT : 0u);
+  result.flags = BSDF_SAMPLE_VALID | (choice.is_delta ? BSDF_SAMPLE_DELTA : 0u) |
+                 (facet.is_transmitted ? BSDF_SAMPLE_TRANSMITTED : 0u) | (choice.is_diffuse ? BSDF_SAMPLE_DIFFUSE : 0u) |
+                 (choice.is_coat ? BSDF_SAMPLE_COAT : 0u);
   bool is_scaled = bsdf_has_transmission() && facet.is_refracted && transport == TRANSPORT_RADIANCE;
   result.eta_scale = is_scaled ? 1.0 / bsdf.inverse_eta_squared : 1.0;
   return result;
+}
+
+// Samples wi. u_lobe chooses the lobe, u the direction; all in [0, 1).
+BsdfSample bsdf_sample(Bsdf bsdf, vec3 wo, float u_lobe, vec2 u, uint transport) {
+  return bsdf_sampled(bsdf, wo, bsdf_choose(bsdf, wo, u_lobe, u, transport), transport);
+}
+
+// With a guide: how many times as likely as without it a camera walk goes the way it does.
+float guided_ratio(Bsdf bsdf, vec3 wo, BsdfSample event) {
+  if ((event.flags & BSDF_SAMPLE_DELTA) != 0u) return 1.0;
+  bsdf.guide = vec2(0.0);
+  BsdfEval plain = evaluate_lobes(bsdf_lobes(bsdf, wo, event.wi, event.facet, TRANSPORT_RADIANCE));
+  return event.pdf_forward / max(plain.pdf_forward, 1e-30);
 }
 
 // Pdf of walking back over pdf forward of a sampled direction, both per solid angle of that direction. The delta

@@ -10,6 +10,7 @@
 #include "lib/ndf.glsl"
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
+#include "lib/walk_guide.glsl"
 
 // What this pipeline can meet. Macros of one comparison each, because a branch on such a comparison is resolved before the
 // driver sees the module (host/gpu/specialize.hpp), while a branch on the result of a function is not; and because
@@ -78,6 +79,8 @@ struct Bsdf {
   Film film;             // only with bsdf_has_film()
   vec2 cover;            // share of the rough interface's own albedo in what the base gets, from outside and from inside a
                          // solid (lib/cover.glsl)
+  vec2 guide;            // of camera walks, for one direction towards the light: the share of the diffuse lobe's samples that
+                         // go by the guide, and its density there; only with has_walk_guide()
 };
 
 // True if the normals disagree about w, a direction towards the light as the bsdf sees it, and the relief of a normal map
@@ -279,6 +282,7 @@ void add_film(Material material, vec3 albedo, inout Bsdf bsdf) {
 Bsdf make_bsdf(Material material, bool is_front) {
   Bsdf bsdf;
   bsdf.geometric_normal = vec3(0.0, 0.0, 1.0);  // a caller who knows another sets it
+  bsdf.guide = vec2(0.0);                       // likewise
   vec3 dielectric = (1.0 - material.metallic) * material.base_color;
   if (!bsdf_has_specular()) {
     bsdf.diffuse = dielectric;
@@ -370,6 +374,9 @@ float diffuse_density(Bsdf bsdf, float c, float sheen) {
   bool is_in_cone = (1.0 - c) * (1.0 + c) * bsdf.inverse_eta_squared < 1.0;
   return c * (1.0 - share + (is_in_cone ? share * bsdf.inverse_eta_squared : 0.0));
 }
+
+// The same where a guide takes its share: of the direction towards the light, on the lit side. density: times pi.
+float guided_density(Bsdf bsdf, float density) { return mix(density, PI * bsdf.guide.y, bsdf.guide.x); }
 
 vec3 sample_diffuse(Bsdf bsdf, vec2 u, float sheen) {
   if (bsdf_has_sheen() && sheen > 0.0) {

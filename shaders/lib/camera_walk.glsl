@@ -58,6 +58,7 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
   if (spec_light_sampling != LIGHT_SAMPLING_POWER && !(light.pdf > 0.0)) return;
   vec3 wi;
   if (!to_local_lit(point, light.wi, wi)) return;
+  look_towards(frame, light.wi, point);
   // Lights without extent are not seen in mirrors or through clear glass. A bundle of camera paths, however narrow, would
   // show them there, as glints of all their light in a pixel.
   if (has_footprints() && light.is_delta && !is_diffused(path)) regularization.alpha_scale = 0.0;
@@ -96,13 +97,17 @@ void connect_to_light(Frame frame, ShadingPoint point, Path path, MisVertex vert
 // hit: on the surface; footprint: on arrival there.
 void scatter(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
              Regularization regularization, TechniqueCounts counts, Hit hit, vec3 footprint, uint slot, vec4 u) {
-  BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
+  BsdfChoice choice = bsdf_choose(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_RADIANCE);
+  if (has_walk_guide()) guide_choice(frame, u.yz, point, choice);
+  BsdfSample next = bsdf_sampled(point.bsdf, point.wo, choice, TRANSPORT_RADIANCE);
   if ((next.flags & BSDF_SAMPLE_VALID) == 0u) return;
   vec3 direction;
   if (!to_world_lit(point, next.wi, direction)) return;
 
   path.throughput *= next.weight;
   path.eta_scale *= next.eta_scale;
+  // A guide that is sure of a direction makes throughput small, and nothing that follows less bright.
+  if (has_walk_guide()) path.eta_scale *= guided_ratio(point.bsdf, point.wo, next);
   // Survival by throughput without the eta^2 of refraction, which the way out undoes (PBR 4ed, 14.2). It is
   // left out of the MIS pdfs: weights stay exact (docs/mathematics.md 9).
   float survival = path.bounce < ROULETTE_FIRST_BOUNCE

@@ -136,7 +136,7 @@ Emission sample_emission(Frame frame, vec4 u_light, vec2 u) {
   if (!has_light_guide()) return emit_from(frame, light, vec4(u_light.zw, u));
   GuidedLight guided = LOAD(GuidedLightBuffer, frame.guided_lights, index);
   light.selection_pdf = guided.selection_pdf;
-  GuidedStart start = guide_start(frame, guided.root, vec4(u_light.zw, u));
+  GuidedNumbers start = guide_start(frame.guide_nodes, guided.root, vec4(u_light.zw, u));
   Emission emission = emit_from(frame, light, start.numbers);
   emission.throughput /= start.density;
   emission.inverse_pdf /= start.density;

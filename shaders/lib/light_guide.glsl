@@ -7,75 +7,17 @@
 
 #include "lib/buffers.glsl"
 #include "lib/environment.glsl"
+#include "lib/guide_tree.glsl"
 #include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
 // True if light paths start as a guide says. A macro, for the reasons in lib/bsdf_parameters.glsl.
 #define has_light_guide() (spec_light_guide != 0u)
 
-// Numbers that the guide has moved, and their density.
-struct GuidedStart {
-  vec4 numbers;
-  float density;
-};
-
-// Up to where numbers of [first, last] lead to the lower half: decided as in the reference, step by step in single precision.
-// A function of its own, because the shader compiler carries `precise` back through structs for ever.
-float last_of_lower(float first, float last, float share) {
-  precise float middle = first + share * (last - first);
-  return middle;
-}
-
-// Density of a half over that of the box.
-float density_of_half(GuideNode node, bool is_lower) { return 2.0 * (is_lower ? node.first_share : 1.0 - node.first_share); }
-
-uint node_of_half(GuideNode node, bool is_lower) { return (node.next >> GUIDE_AXIS_BITS) + (is_lower ? 0u : 1u); }
-
-GuidedStart guide_start(Frame frame, uint root, vec4 u) {
-  vec4 corner = vec4(0.0), size = vec4(1.0);  // of the box
-  vec4 first = vec4(0.0), last = vec4(1.0);   // of the numbers that lead into it
-  float density = 1.0;
-  uint index = root;
-  for (uint depth = 0u; depth < GUIDE_DEPTH; ++depth) {
-    GuideNode node = LOAD(GuideNodeBuffer, frame.guide_nodes, index);
-    if (node.next == GUIDE_LEAF) break;
-    uint axis = node.next & GUIDE_AXIS_MASK;
-    float middle = last_of_lower(first[axis], last[axis], node.first_share);
-    bool is_lower = u[axis] < middle;
-    size[axis] *= 0.5;
-    if (is_lower) {
-      last[axis] = middle;
-    } else {
-      first[axis] = middle;
-      corner[axis] += size[axis];
-    }
-    density *= density_of_half(node, is_lower);
-    index = node_of_half(node, is_lower);
-  }
-  return GuidedStart(corner + size * min((u - first) / (last - first), ONE_MINUS_ULP), density);
-}
-
-// Density of the moved numbers `start`.
-float guide_density(Frame frame, uint root, vec4 start) {
-  float density = 1.0;
-  uint index = root;
-  for (uint depth = 0u; depth < GUIDE_DEPTH; ++depth) {
-    GuideNode node = LOAD(GuideNodeBuffer, frame.guide_nodes, index);
-    if (node.next == GUIDE_LEAF) break;
-    uint axis = node.next & GUIDE_AXIS_MASK;
-    float place = 2.0 * start[axis];
-    bool is_lower = place < 1.0;
-    start[axis] = is_lower ? place : place - 1.0;
-    density *= density_of_half(node, is_lower);
-    index = node_of_half(node, is_lower);
-  }
-  return density;
-}
-
 // How many times as likely as by power alone a light path starts with these numbers at this light.
 float guided_share(Frame frame, uint light, float selection_pdf, vec4 start) {
   GuidedLight guided = LOAD(GuidedLightBuffer, frame.guided_lights, light);
-  return guided.selection_pdf / selection_pdf * guide_density(frame, guided.root, start);
+  return guided.selection_pdf / selection_pdf * guide_density(frame.guide_nodes, guided.root, start);
 }
 
 // The numbers from which sample_disk makes the point p of the unit disk.
@@ -87,14 +29,6 @@ vec2 disk_numbers(vec2 p) {
   float along = 8.0 * r * atan2_turns(minor / major, 1.0);
   return clamp(0.5 + 0.5 * (is_x_major ? vec2(r, along) : vec2(along, r)), 0.0, ONE_MINUS_ULP);
 }
-
-float angle_number(vec2 p) {
-  float turns = atan2_turns(p.y, p.x);
-  return min(turns < 0.0 ? turns + 1.0 : turns, ONE_MINUS_ULP);
-}
-
-// Those of sample_sphere.
-vec2 sphere_numbers(vec3 w) { return vec2(clamp(0.5 - 0.5 * w.z, 0.0, ONE_MINUS_ULP), angle_number(w.xy)); }
 
 // A direction in the basis of a unit axis.
 vec3 in_basis_of(vec3 axis, vec3 w) {

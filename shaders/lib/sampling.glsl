@@ -51,6 +51,15 @@ vec3 sample_sphere(vec2 u) {
   return vec3(2.0 * sqrt(u.x * (1.0 - u.x)) * cos_sin_turns(u.y), 1.0 - 2.0 * u.x);
 }
 
+// The share of a turn, in [0, 1), at which p lies around the origin.
+float angle_number(vec2 p) {
+  float turns = atan2_turns(p.y, p.x);
+  return min(turns < 0.0 ? turns + 1.0 : turns, ONE_MINUS_ULP);
+}
+
+// Those of sample_sphere.
+vec2 sphere_numbers(vec3 w) { return vec2(clamp(0.5 - 0.5 * w.z, 0.0, ONE_MINUS_ULP), angle_number(w.xy)); }
+
 // Uniform direction in the cone about +z of height 1 - cos(angle), pdf 1 / (2 pi height). The height is the
 // parameter because the cosine of a small angle loses it.
 vec3 sample_cone(vec2 u, float height) {

@@ -23,6 +23,7 @@ struct ShadingPoint {
   float bulge;                      // as of the surface, 1: on the side of wo; only with FEATURE_BULGES
   bool is_curved;                   // the camera's side bulges, for camera walks; only with FEATURE_BULGES
   bool is_dispersive;               // the bsdf depends on the wavelength
+  GuideCell cell;                   // only with has_walk_guide()
   // Only with FEATURE_CONTACTS:
   MediaSet around;  // the solids on the side of wo
   uint solid;       // the solid whose boundary the surface is, or INVALID_INDEX
@@ -206,6 +207,7 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   point.is_dispersive = false;
   if (has_dispersion()) disperse(bend, point);
   if (has_contacts()) set_media(frame, around, triangle, bend, point);
+  if (has_walk_guide()) point.cell = guide_cell(frame, point.surface.position, point.geometric_normal);
   point.bsdf = make_bsdf(point.material, point.is_front);
   bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)
@@ -216,6 +218,28 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   if (compensates_energy()) compensate_energy(point.material, point.bsdf);
   if (has_rough_base()) cover_base(point.material, point.bsdf);
   return point;
+}
+
+// With a guide: prepares the bsdf for a pair of directions of which w (unit, world space) is the one towards the light.
+void look_towards(Frame frame, vec3 w, inout ShadingPoint point) {
+  if (!has_walk_guide()) return;
+  if (point.cell.share > 0.0) point.bsdf.guide = vec2(point.cell.share, guided_pdf(frame, point.cell, w));
+}
+
+// With a guide: has a camera walk that chose the diffuse lobe go the guide's way, by the cell's share, and prepares the bsdf for
+// what was chosen. u: the numbers of the direction.
+void guide_choice(Frame frame, vec2 u, inout ShadingPoint point, inout BsdfChoice choice) {
+  if (!(point.cell.share > 0.0)) return;
+  vec3 w;
+  if (choice.is_diffuse && choice.u_diffuse < point.cell.share) {
+    GuidedDirection guided = guided_direction(frame, point.cell, u);
+    bool is_lit = to_local_lit(point, guided.w, choice.wi);
+    choice.facet = reflection_encounter(point.wo, vec3(choice.wi.xy, abs(choice.wi.z)));
+    choice.facet.is_valid = is_lit && choice.wi.z > 0.0;
+    point.bsdf.guide = vec2(point.cell.share, guided.pdf);
+  } else if (to_world_lit(point, choice.wi, w)) {
+    look_towards(frame, w, point);
+  }
 }
 
 // Shadow segments end this much before their target: the traversal's t of the light's own triangle errs by a

@@ -27,6 +27,7 @@ layout(constant_id = SPEC_SQUARE_EXPONENT) const int spec_square_exponent = 0;
 layout(constant_id = SPEC_RAYS) const uint spec_rays = RAYS_SOFTWARE;
 layout(constant_id = SPEC_LIGHT_GUIDE) const uint spec_light_guide = 0u;
 layout(constant_id = SPEC_SHADOW_ROULETTE) const uint spec_shadow_roulette = 0u;
+layout(constant_id = SPEC_WALK_GUIDE) const uint spec_walk_guide = 0u;
 
 // True if one of these STATE_* is kept. A macro, for the reasons in lib/bsdf_parameters.glsl.
 #define has_state(bits) ((spec_state & (bits)) != 0u)

@@ -78,6 +78,8 @@ void main() {
   vec3 camera_wi, light_wi = to_local_seen(light_point, -direction);
   if (!to_local_lit(camera_point, direction, camera_wi) || !(light_point.wo.z > 0.0)) return;
   if (is_dark_towards(light_point, -direction)) return;
+  look_towards(frame, direction, camera_point);
+  look_towards(frame, light.direction, light_point);
   bool camera_diffused = (camera.edges & PATH_VERTEX_DIFFUSED) != 0u;
   bool light_diffused = camera_diffused || diffuses(camera_point.bsdf);
   uvec3 place = uvec3(camera.edges & PATH_VERTEX_EDGES, light.edges & PATH_VERTEX_EDGES,

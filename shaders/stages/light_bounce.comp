@@ -17,6 +17,7 @@ void main() {
   if (has_contacts()) media = LOAD(PathMediaBuffer, frame.path_media, slot);
   ShadingPoint point = shading_point(frame, hit.triangle, vec2(hit.u, hit.v), -path.direction, TRANSPORT_IMPORTANCE,
                                      media.around, bend_of(frame, path.sample_index));
+  look_towards(frame, -path.direction, point);
   float way = hit.t;
   if ((spec_features & FEATURE_ABSORPTION) != 0u)
     way = length_in_medium(frame, media, path.direction, hit, point.surface.position);

@@ -61,6 +61,7 @@ Weighted merge_contribution(Frame frame, Gatherer gatherer, LightVertex light, u
   vec3 wi;
   if (!to_local_lit(gatherer.point, light.direction, wi) || is_beyond_horizon(gatherer.point, light.direction))
     return Weighted(vec3(0.0), vec3(0.0));
+  look_towards(frame, light.direction, gatherer.point);
   float correction = shading_correction(gatherer.point, light.direction, wi.z);
   bool is_dispersed = ((gatherer.vertex.edges | light.edges) & PATH_VERTEX_DISPERSED) != 0u || gatherer.point.is_dispersive;
   vec3 factor = gatherer.vertex.throughput * light.throughput * response_of(frame, gatherer.iteration, is_dispersed) *

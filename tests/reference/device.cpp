@@ -32,7 +32,7 @@ class Checked {
       : prepared_(std::move(prepared)),
         recorder_(*device(), prepared_, plan_recording(prepared_, settings), SIZE * SIZE),
         world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
-               settings.has_energy_compensation, recorder_.plan().light_guide),
+               settings.has_energy_compensation, recorder_.plan().light_guide, recorder_.plan().walk_guide),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE) {
     reference_.width = reference_.height = SIZE;
     reference_.max_depth = recorder_.plan().max_depth;
@@ -150,7 +150,7 @@ PreparedScene guided_scene() {
 TEST(DeviceStagesGuided, AgreeWithTheReference) {
   REGULUS_SKIP_WITHOUT_DEVICE();
   render::RenderSettings settings = Checked::settings();
-  settings.light_guide = LIGHT_GUIDE_ON;
+  settings.light_guide = settings.walk_guide = LIGHT_GUIDE_ON;
   Checked checked(guided_scene(), settings);
   expect_agreement(checked);
 }
@@ -355,7 +355,7 @@ class CheckedConnections {
         recorder_(*device(), prepared_, plan_recording(prepared_, settings, *settings.techniques),
                   SIZE * SIZE),
         world_(prepared_, settings.ndf, settings.shadowing, settings.light_sampling,
-               settings.has_energy_compensation, recorder_.plan().light_guide),
+               settings.has_energy_compensation, recorder_.plan().light_guide, recorder_.plan().walk_guide),
         camera_(scene::make_camera(prepared_.scene.cameras[0], SIZE, SIZE), SIZE, SIZE),
         reference_(render::reference_settings(recorder_.plan())) {}
 
@@ -533,7 +533,7 @@ TEST(DeviceConnections, GuidedAgreeWithTheReference) {
   for (const bool is_regularized : {false, true}) {
     render::RenderSettings settings = CheckedConnections::settings(
         is_regularized ? ON | REGULARIZATION_DIFFUSION : uint32_t{REGULARIZATION_NONE});
-    settings.light_guide = LIGHT_GUIDE_ON;
+    settings.light_guide = settings.walk_guide = LIGHT_GUIDE_ON;
     settings.light_sampling = is_regularized ? LIGHT_SAMPLING_BVH : LIGHT_SAMPLING_POWER;
     expect_agreement(guided_scene(), settings);
   }

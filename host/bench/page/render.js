@@ -36,6 +36,7 @@ function choiceSection() {
   const rows = [["techniques", settings.techniques.join(", "), settings.techniques_rule],
     ["regularization", settings.regularization, settings.regularization === "none" ? "" : `tau ${shownValue(settings.tau)}, ${settings.tau_schedule}`],
     ["light sampling", settings.light_sampling, `${s.scene.lights} light${s.scene.lights === 1 ? "" : "s"}`],
+    ["guided camera walks", settings.walk_guide === "off" ? "off" : "on", settings.walk_guide_rule],
     ["guided emission", settings.light_guide === "off" ? "off" : "on", settings.light_guide_rule],
     ["merge radius", settings.merge_radius > 0 ? `${number(settings.merge_radius)} m` : "none", settings.merge_radius_rule],
     ["rays by", s.rays.by, ""]];
