@@ -260,12 +260,12 @@ TEST_F(RenderParts, MergedCropsAreTheWholeBitByBit) {
   expect_error(merge({a, b, b2, c, whole}), 3, {"overlap"});
 }
 
-// A guide is a function of the scene, the camera and the whole film: tiles, ranges and a resumed render train
+// Guides are functions of the scene, the camera and the whole film: tiles, ranges and a resumed render train
 // the same.
 TEST_F(RenderParts, GuidedPartsAreTheWholeBitByBit) {
   if (is_slow_device()) GTEST_SKIP() << "slow device";
   const auto guided = [&](const std::string& name, Arguments more) {
-    more.insert(more.end(), {"-i", "bpt", "--guide-light", "on"});
+    more.insert(more.end(), {"-i", "bpt", "--guide-light", "on", "--guide", "on"});
     render(name, more);
     return file(name);
   };
@@ -281,12 +281,16 @@ TEST_F(RenderParts, GuidedPartsAreTheWholeBitByBit) {
   guided("resumed.exr", {"-s", "3", "--checkpoint", file("state.exr"), "--resume"});
   guided("plain.exr", {"-s", "3"});
   EXPECT_TRUE(contents("resumed.exr").channels == contents("plain.exr").channels);
-  // The guide did something, and who has none is another render.
+  // The guides did something, and who has none, or one of them, is another render.
   render("unguided.exr", {"-i", "bpt", "--samples", "3:1"});
-  EXPECT_EQ(contents("unguided.exr").attributes.at("regulus:light_guide"), "off");
-  EXPECT_NE(known.attributes.at("regulus:light_guide"), "off");
+  for (const char* guide : {"regulus:light_guide", "regulus:walk_guide"}) {
+    EXPECT_EQ(contents("unguided.exr").attributes.at(guide), "off");
+    EXPECT_NE(known.attributes.at(guide), "off");
+  }
   expect_error(run({"merge", file("out.exr"), whole, file("unguided.exr")}), 3,
                {"unguided.exr", "light_guide"});
+  render("lights.exr", {"-i", "bpt", "--samples", "3:1", "--guide-light", "on"});
+  expect_error(run({"merge", file("out.exr"), whole, file("lights.exr")}), 3, {"lights.exr", "walk_guide"});
   expect_error(
       run(command("out.exr", {"-i", "bpt", "-s", "4", "--checkpoint", file("state.exr"), "--resume"})), 3,
       {"state.exr", "light_guide"});
