@@ -206,6 +206,7 @@ TrainedWalkGuide train_walk_guide(const reference::World& world, const reference
   double mean = 0;
   for (const Met& met : light) mean += met.weight / static_cast<double>(light.size());
   std::vector<Arrival> arrivals;
+  arrivals.reserve(light.size());
   for (const Met& met : light) arrivals.push_back(arrival_of(bounds, met, mean));
   MadeWalkGuide made = make_walk_guide(bounds, std::move(keys), std::move(arrivals));
   return {std::make_shared<scene::WalkGuide>(std::move(made.guide)), made.gain};
