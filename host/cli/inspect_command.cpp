@@ -166,24 +166,16 @@ Json regularization_json(const render::Plan& plan) {
   return {{"used", false}, {"why", is_chosen ? plan.techniques_rule : "the settings ask for none"}};
 }
 
-// Whether light paths are guided, and why.
-Json light_guide_json(const render::Plan& plan) {
-  const std::string* dropped = plan.why_dropped("guided emission");
-  const std::string why = plan.asked.light_guide == LIGHT_GUIDE_OFF ? "the settings ask for none"
-                          : dropped != nullptr                      ? "dropped: " + *dropped
-                          : !plan.light_guide_rule.empty()          ? plan.light_guide_rule
-                                                                    : "no technique uses light paths";
-  return {{"used", plan.light_guide != nullptr}, {"why", why}};
-}
-
-// The same of camera walks.
-Json walk_guide_json(const render::Plan& plan) {
-  const std::string* dropped = plan.why_dropped("guided camera walks");
-  const std::string why = plan.asked.walk_guide == LIGHT_GUIDE_OFF ? "the settings ask for none"
-                          : dropped != nullptr                     ? "dropped: " + *dropped
-                          : !plan.walk_guide_rule.empty()          ? plan.walk_guide_rule
-                                                                   : "no camera path goes on from a surface";
-  return {{"used", plan.walk_guide != nullptr}, {"why", why}};
+// Whether walks are guided, and why. what: as the plan names it where it is dropped; useless: why there is no
+// guide where none was tried.
+Json guide_json(const render::Plan& plan, const char* what, uint32_t asked, bool is_used,
+                const std::string& rule, const char* useless) {
+  const std::string* dropped = plan.why_dropped(what);
+  const std::string why = asked == LIGHT_GUIDE_OFF ? "the settings ask for none"
+                          : dropped != nullptr     ? "dropped: " + *dropped
+                          : !rule.empty()          ? rule
+                                                   : useless;
+  return {{"used", is_used}, {"why", why}};
 }
 
 /// A point of the scene's frame in the file's world.
@@ -236,8 +228,11 @@ Json inspect(const InspectOptions& options) {
       {"stages", stages_json(plan)},
       {"techniques", {{"set", render::technique_set_name(plan.techniques)}, {"rule", plan.techniques_rule}}},
       {"regularization", regularization_json(plan)},
-      {"light_guide", light_guide_json(plan)},
-      {"walk_guide", walk_guide_json(plan)},
+      {"light_guide", guide_json(plan, "guided emission", plan.asked.light_guide, plan.light_guide != nullptr,
+                                 plan.light_guide_rule, "no technique uses light paths")},
+      {"walk_guide",
+       guide_json(plan, "guided camera walks", plan.asked.walk_guide, plan.walk_guide != nullptr,
+                  plan.walk_guide_rule, "no camera path goes on from a surface")},
       {"merge_radius",
        {{"metres", radius.metres},
         {"rule", radius.rule},

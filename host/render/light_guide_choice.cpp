@@ -21,18 +21,22 @@ constexpr double LEAST_GAIN = 4;
 
 }  // namespace
 
-reference::Settings training_settings(const RenderSettings& settings) {
+reference::Settings settings_of_few_pixels(const RenderSettings& settings, double pixels, uint32_t samples) {
   const double aspect = static_cast<double>(settings.width) / settings.height;
-  const double height = std::sqrt(TRAINING_PIXELS / aspect);
+  const double height = std::sqrt(pixels / aspect);
   reference::Settings result;
   result.height = std::max(static_cast<uint32_t>(std::lround(height)), 1u);
   result.width = std::max(static_cast<uint32_t>(std::lround(height * aspect)), 1u);
   result.camera = settings.camera;
-  result.samples = TRAINING_SAMPLES;
+  result.samples = samples;
   result.max_depth = settings.max_depth;
   result.ndf = settings.ndf;
   result.shadowing = settings.shadowing;
   return result;
+}
+
+reference::Settings training_settings(const RenderSettings& settings) {
+  return settings_of_few_pixels(settings, TRAINING_PIXELS, TRAINING_SAMPLES);
 }
 
 LightGuideChoice choose_light_guide(const PreparedScene& prepared, const RenderSettings& settings) {

@@ -11,8 +11,11 @@
 
 namespace regulus::render {
 
-/// What the reference walks to train guides: a film of few pixels of the picture's shape, without
-/// regularization.
+/// What the reference walks before a render to know the scene: about so many pixels of the picture's shape,
+/// with its camera, depth and lobes, without regularization.
+reference::Settings settings_of_few_pixels(const RenderSettings& settings, double pixels, uint32_t samples);
+
+/// The same to train guides.
 reference::Settings training_settings(const RenderSettings& settings);
 
 /// What was chosen and why.

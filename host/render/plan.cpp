@@ -137,7 +137,7 @@ void plan_walk_guide(Plan& plan, const PreparedScene& prepared) {
     if (is_on) plan.dropped.push_back({"guided camera walks", "no camera path goes on from a surface"});
     return;
   }
-  WalkGuideChoice choice = choose_walk_guide(prepared, plan.asked);
+  WalkGuideChoice choice = choose_walk_guide(prepared, plan.asked, plan.regularization);
   plan.walk_guide = std::move(choice.guide);
   plan.walk_guide_rule = std::move(choice.why);
   if (!plan.walk_guide && is_on) plan.dropped.push_back({"guided camera walks", plan.walk_guide_rule});

@@ -8,6 +8,7 @@
 #include "probe/probe.hpp"
 #include "reference/walk.hpp"
 #include "reference/world.hpp"
+#include "render/light_guide_choice.hpp"
 
 namespace regulus::render {
 
@@ -22,17 +23,8 @@ constexpr double SHARE_OF_BRIGHTNESS = 0.125;
 
 // Unregularized paths of all kinds, so that what a technique misses is seen by another.
 reference::Settings glimpse_settings(const RenderSettings& settings) {
-  const double aspect = static_cast<double>(settings.width) / settings.height;
-  const double height = std::sqrt(GLIMPSE_PIXELS / aspect);
-  reference::Settings result;
-  result.height = std::max(static_cast<uint32_t>(std::lround(height)), 1u);
-  result.width = std::max(static_cast<uint32_t>(std::lround(height * aspect)), 1u);
-  result.camera = settings.camera;
-  result.samples = GLIMPSE_SAMPLES;
-  result.max_depth = settings.max_depth;
+  reference::Settings result = settings_of_few_pixels(settings, GLIMPSE_PIXELS, GLIMPSE_SAMPLES);
   result.techniques = TECHNIQUE_HIT | SHADOW_RAY_TECHNIQUES;
-  result.ndf = settings.ndf;
-  result.shadowing = settings.shadowing;
   return result;
 }
 

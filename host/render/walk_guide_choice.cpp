@@ -26,14 +26,15 @@ reference::World world_with(const PreparedScene& prepared, const RenderSettings&
 
 }  // namespace
 
-WalkGuideChoice choose_walk_guide(const PreparedScene& prepared, const RenderSettings& settings) {
+WalkGuideChoice choose_walk_guide(const PreparedScene& prepared, const RenderSettings& settings,
+                                  uint32_t regularization) {
   reference::Settings training = training_settings(settings);
   training.samples = WALK_TRAINING_SAMPLES;
   // Light paths that train go where the camera looks, whether or not those of the render do.
   const std::shared_ptr<const scene::LightGuide> towards =
       probe::train_light_guide(world_with(prepared, settings, nullptr), training).guide;
   training.light_paths = TRAINING_LIGHT_PATHS;
-  training.regularization = settings.regularization.value_or(REGULARIZATION_NONE);
+  training.regularization = regularization & REGULARIZATION_ROUGHNESS;
   const probe::TrainedWalkGuide trained =
       probe::train_walk_guide(world_with(prepared, settings, towards), training);
   if (!trained.guide) return {nullptr, "a training found no light that a camera walk would have to look for"};

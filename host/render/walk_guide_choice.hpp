@@ -19,6 +19,8 @@ struct WalkGuideChoice {
 /// Trains a guide by the reference (probe/walk_guide.hpp); with LIGHT_GUIDE_AUTO it is taken only if it
 /// promises enough. A function of the scene, the camera, the film's shape and what the settings say of paths
 /// and lobes; not of samples, crop, seed, techniques or machine, so that parts of one render agree.
-WalkGuideChoice choose_walk_guide(const PreparedScene& prepared, const RenderSettings& settings);
+/// @param regularization REGULARIZATION_* of the plan: what is done, whoever asked for it or chose it
+WalkGuideChoice choose_walk_guide(const PreparedScene& prepared, const RenderSettings& settings,
+                                  uint32_t regularization);
 
 }  // namespace regulus::render

@@ -50,7 +50,7 @@ std::shared_ptr<const scene::LightGuide> guide_of_all_sets(const PreparedScene& 
 std::shared_ptr<const scene::WalkGuide> walk_guide_of_all_sets(const PreparedScene& prepared,
                                                                const render::Plan& plan) {
   if (plan.walk_guide || plan.asked.walk_guide == LIGHT_GUIDE_OFF) return plan.walk_guide;
-  return choose_walk_guide(prepared, plan.asked).guide;
+  return choose_walk_guide(prepared, plan.asked, plan.regularization).guide;
 }
 
 }  // namespace

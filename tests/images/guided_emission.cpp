@@ -16,20 +16,7 @@ namespace {
 using namespace interface;
 using render::RenderSettings;
 
-constexpr int BATCHES = 11;
-constexpr uint32_t SIZE = 16;
 using namespace technique_sets;
-
-RenderSettings settings_of(uint32_t techniques) {
-  RenderSettings settings = box_filtered(SIZE, SIZE, 24, 5);
-  settings.techniques = techniques;
-  if ((techniques & TECHNIQUE_MERGE) != 0) {
-    settings.light_paths = 2048;
-    settings.merge_radius = 0.02f;
-    settings.merge_reduction = 0;
-  }
-  return settings;
-}
 
 // Whatever it was made for, a guide leaves all light some share.
 std::shared_ptr<const scene::LightGuide> wrong_guide(const PreparedScene& prepared) {
@@ -56,21 +43,10 @@ class GuidedEmission : public testing::Test {
     prepared_ = room_of_all_lights();
   }
 
-  /// Renders that differ in their seed alone, all with the same guide.
   std::vector<image::Image> batches(uint32_t techniques, std::shared_ptr<const scene::LightGuide> guide,
                                     uint32_t stream) const {
-    std::vector<image::Image> result;
-    RenderSettings settings = settings_of(techniques);
-    for (int i = 0; i < BATCHES; ++i) {
-      settings.seed = static_cast<uint32_t>(base_seed() + 1000 * stream) + static_cast<uint32_t>(i);
-      render::Plan plan = make_plan(prepared_, settings);
-      plan.light_guide = guide;
-      render::Renderer renderer(*device(), prepared_, plan);
-      renderer.render([](uint64_t, uint64_t) { return true; });
-      EXPECT_EQ(renderer.statistics().non_finite, 0u);
-      result.push_back(resolve(renderer.film()));
-    }
-    return result;
+    return guided_batches(prepared_, techniques, stream,
+                          [&](render::Plan& plan) { plan.light_guide = guide; });
   }
 
   void expect_sets_agree(const char* name, const std::shared_ptr<const scene::LightGuide>& guide,
@@ -90,7 +66,7 @@ class GuidedEmission : public testing::Test {
 };
 
 TEST_F(GuidedEmission, KeepsTheMean) {
-  RenderSettings settings = settings_of(VCM);
+  RenderSettings settings = guided_settings(VCM);
   settings.light_guide = LIGHT_GUIDE_ON;
   const render::Plan plan = make_plan(prepared_, settings);
   std::printf("%s\n", plan.light_guide_rule.c_str());
@@ -109,14 +85,14 @@ TEST_F(GuidedEmission, KeepsTheMeanWithAGuideThatPointsAnywhere) {
 
 // What `auto` and `on` come to, and what they leave alone.
 TEST_F(GuidedEmission, IsDoneWhereThereAreLightPaths) {
-  RenderSettings settings = settings_of(PT);
+  RenderSettings settings = guided_settings(PT);
   settings.light_guide = LIGHT_GUIDE_ON;
   const render::Plan plain = make_plan(prepared_, settings);
   EXPECT_FALSE(plain.light_guide);
   EXPECT_NE(plain.why_dropped("guided emission"), nullptr);
   settings.light_guide = LIGHT_GUIDE_AUTO;
   EXPECT_EQ(make_plan(prepared_, settings).why_dropped("guided emission"), nullptr);
-  settings = settings_of(BPT);
+  settings = guided_settings(BPT);
   EXPECT_FALSE(make_plan(prepared_, settings).light_guide);
   EXPECT_EQ(make_plan(prepared_, settings).light_guide_rule, "");
 }

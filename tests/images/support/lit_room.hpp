@@ -1,8 +1,16 @@
-// The room that guides are tested in.
+// The room that guides are tested in, and its renders.
 #pragma once
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <vector>
 
 #include "images/support/gltf_scene.hpp"
 #include "images/support/prepared_scene.hpp"
+#include "images/support/render_scene.hpp"
+#include "support/device.hpp"
+#include "support/random.hpp"
 
 namespace regulus::test {
 
@@ -29,6 +37,37 @@ inline PreparedScene room_of_all_lights() {
     for (const double channel : {0.4, 0.6, 1.0})
       sky.rgb.push_back(static_cast<float>(i == 2 * 16 + 5 ? 40 : i < 64 ? channel * (1 + i % 3) : 0.1));
   return prepare(scene, sky, 25);
+}
+
+/// Few pixels and samples of these techniques, merges within 2 cm.
+inline render::RenderSettings guided_settings(uint32_t techniques) {
+  render::RenderSettings settings = box_filtered(16, 16, 24, 5);
+  settings.techniques = techniques;
+  if ((techniques & interface::TECHNIQUE_MERGE) != 0) {
+    settings.light_paths = 2048;
+    settings.merge_radius = 0.02f;
+    settings.merge_reduction = 0;
+  }
+  return settings;
+}
+
+/// Eleven renders that differ in their seed alone, all with the guide that `set_guide` puts into the plan.
+inline std::vector<image::Image> guided_batches(const PreparedScene& prepared, uint32_t techniques,
+                                                uint32_t stream,
+                                                const std::function<void(render::Plan&)>& set_guide) {
+  constexpr uint32_t BATCHES = 11;
+  std::vector<image::Image> result;
+  render::RenderSettings settings = guided_settings(techniques);
+  for (uint32_t i = 0; i < BATCHES; ++i) {
+    settings.seed = static_cast<uint32_t>(base_seed() + 1000 * stream) + i;
+    render::Plan plan = make_plan(prepared, settings);
+    set_guide(plan);
+    render::Renderer renderer(*device(), prepared, plan);
+    renderer.render([](uint64_t, uint64_t) { return true; });
+    EXPECT_EQ(renderer.statistics().non_finite, 0u);
+    result.push_back(resolve(renderer.film()));
+  }
+  return result;
 }
 
 }  // namespace regulus::test
