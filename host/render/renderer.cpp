@@ -6,6 +6,7 @@
 
 #include "render/film_store.hpp"
 #include "render/iteration.hpp"
+#include "render/paired_wave.hpp"
 #include "render/rays_choice.hpp"
 #include "render/surface_passes.hpp"
 #include "render/wave_scheduler.hpp"
@@ -29,6 +30,7 @@ struct Renderer::Impl {
   Wavefront wavefront;
   WaveScheduler scheduler;
   Iteration iteration;
+  PairedWave wave;
   FilmStore store;
   uint64_t pixels, total_paths;
   uint64_t squared = 0;  // paths whose samples are in film_squares
@@ -39,6 +41,7 @@ struct Renderer::Impl {
         wavefront(device, prepared, plan, resolve_rays(device.info(), prepared, plan), statistics),
         scheduler(wavefront, [this] { return goes_on(); }),
         iteration(wavefront, scheduler),
+        wave(wavefront),
         store(wavefront, prepared.features.film_exponents),
         pixels(wavefront.pixels),
         total_paths(pixels * plan.samples) {}
@@ -109,17 +112,9 @@ struct Renderer::Impl {
   }
 
   void run_paths(uint64_t begin, uint64_t end) {
-    const bool has_light_pass = wavefront.has_pass(Pass::Light),
-               has_camera_pass = wavefront.has_pass(Pass::Camera);
+    const bool has_light_pass = wavefront.has_pass(Pass::Light);
     scheduler.run(begin, end, 0, [&](uint64_t first, uint32_t paths) -> std::optional<WavePaths> {
-      const StageArguments arguments =
-          wavefront.arguments_of(first % pixels, sample_after(first / pixels), paths);
-      if (has_light_pass) {
-        const gpu::Buffer& count = wavefront.buffers.light_vertex_count;
-        wavefront.work.room_for(1).fill(count, 0, count.size(), 0);
-        if (!wavefront.core.run(Pass::Light, arguments)) return std::nullopt;
-      }
-      if (has_camera_pass && !wavefront.core.run(Pass::Camera, arguments)) return std::nullopt;
+      if (!wave.run(first % pixels, sample_after(first / pixels), paths)) return std::nullopt;
       return WavePaths{paths, has_light_pass ? paths : 0};
     });
   }
@@ -176,6 +171,7 @@ struct Renderer::Impl {
       render_by_iterations();
     if (scheduler.is_film_whole()) store.take_snapshot(scheduler.finished());
     if (scheduler.is_running()) tell_progress();
+    statistics.bytes_per_path = bytes_per_path(plan, wavefront.buffers.sizes());
     statistics.render_seconds +=
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }

@@ -59,6 +59,9 @@ struct StageRecorder::Impl {
         memory(wavefront, paths) {
     if (wavefront.capacity < paths)
       throw std::logic_error("a recording needs a film with room for its paths");
+    // Passes of a wave are recorded one by one: there is room for whatever the first leaves to the second.
+    if (plan.keeps(STATE_VERTICES) && plan.is_per_wave)
+      wavefront.buffers.grow_light_vertices(device, vertices_per_path(plan) * wavefront.capacity);
   }
 
   template <typename Run>

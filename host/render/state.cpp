@@ -18,6 +18,9 @@ namespace {
 // it at the last bounces too.
 constexpr uint64_t SOFTWARE_WAVE_PATHS = 1u << 16, HARDWARE_WAVE_PATHS = 1u << 21;
 
+// Before any light path was walked there is room for this many vertices of each.
+constexpr uint64_t EXPECTED_VERTICES = 2;
+
 bool has(const Plan& plan, uint32_t techniques) {
   return (plan.techniques & techniques) != 0;
 }
@@ -47,9 +50,9 @@ uint64_t count(uint32_t per, const Plan& plan, const StateSizes& sizes) {
     case PER_CAMERA_VERTEX:
       return plan.keeps(STATE_VERTICES) ? sizes.paths : 0;
     case PER_CANDIDATE:
-      return sizes.paths * (1 + pairs_per_path(plan));
+      return sizes.paths + sizes.pairs;
     case PER_PAIR:
-      return sizes.paths * pairs_per_path(plan);
+      return sizes.pairs;
     case PER_SPLAT:
       return sizes.paths * splats_per_path(plan);
     case PER_BOUNCE:
@@ -81,10 +84,11 @@ bool is_kept(const StateArray& array, const Plan& plan) {
   return array.when == STATE_ALWAYS || plan.keeps(array.when);
 }
 
-// The sizes that one path slot adds.
+// The sizes that one path slot adds. What an iteration's light vertices allow fewer pairs is not known before
+// they are walked.
 StateSizes sizes_of_a_path(const Plan& plan) {
-  const bool has_own_vertices = plan.keeps(STATE_VERTICES) && plan.is_per_wave;
-  return {.paths = 1, .light_vertices = has_own_vertices ? vertices_per_path(plan) : 0};
+  const uint64_t own = plan.is_per_wave ? expected_light_vertices(plan, 1) : 0;
+  return {.paths = 1, .light_vertices = own, .pairs = plan.is_per_wave ? own : pairs_per_path(plan)};
 }
 
 // True if the array grows with the number of paths in flight.
@@ -102,6 +106,13 @@ bool is_per_path(const StateArray& array, const Plan& plan) {
     default:
       return false;
   }
+}
+
+// True if the array grows with the light vertices; where camera paths connect to their own ones, what holds
+// pairs does.
+bool is_per_light_vertex(const StateArray& array, const Plan& plan) {
+  const bool is_of_pairs = array.per == PER_PAIR || array.per == PER_CANDIDATE;
+  return array.per == PER_LIGHT_VERTEX || (is_of_pairs && connects_own_paths(plan));
 }
 
 }  // namespace
@@ -140,21 +151,41 @@ uint64_t vertices_per_path(const Plan& plan) {
   return std::max(plan.max_depth, 2u) - 1;
 }
 
+bool connects_own_paths(const Plan& plan) {
+  return has(plan, TECHNIQUE_CONNECT) && plan.cache_connections == 0 &&
+         plan.light_paths >= uint64_t{plan.width} * plan.height;
+}
+
+StateSizes sizes_of(const Plan& plan, uint64_t paths, uint64_t light_vertices) {
+  uint64_t pairs = paths * pairs_per_path(plan);
+  if (connects_own_paths(plan)) pairs = std::min(pairs, light_vertices);
+  return {.paths = paths, .light_vertices = light_vertices, .pairs = pairs};
+}
+
+uint64_t expected_light_vertices(const Plan& plan, uint64_t light_paths) {
+  return plan.keeps(STATE_VERTICES) ? light_paths * std::min(vertices_per_path(plan), EXPECTED_VERTICES) : 0;
+}
+
 uint64_t bytes_of_array(const StateArray& array, const Plan& plan, const StateSizes& sizes) {
   return is_kept(array, plan) ? array.bytes * count(array.per, plan, sizes) : 0;
 }
 
 uint64_t bytes_per_path(const Plan& plan) {
+  return bytes_per_path(plan, sizes_of_a_path(plan));
+}
+
+uint64_t bytes_per_path(const Plan& plan, const StateSizes& sizes) {
   uint64_t bytes = 0;
   for (const StateArray& array : STATE_ARRAYS)
-    if (is_per_path(array, plan)) bytes += bytes_of_array(array, plan, sizes_of_a_path(plan));
-  return bytes;
+    if (is_per_path(array, plan)) bytes += bytes_of_array(array, plan, sizes);
+  return (bytes + sizes.paths - 1) / sizes.paths;
 }
 
 uint64_t bytes_per_light_vertex(const Plan& plan) {
   uint64_t bytes = 0;
   for (const StateArray& array : STATE_ARRAYS)
-    if (array.per == PER_LIGHT_VERTEX) bytes += bytes_of_array(array, plan, {.light_vertices = 1});
+    if (is_per_light_vertex(array, plan))
+      bytes += bytes_of_array(array, plan, {.light_vertices = 1, .pairs = 1});
   return bytes;
 }
 
@@ -180,6 +211,19 @@ uint64_t most_paths(const Plan& plan, uint64_t most_groups, uint64_t most_bytes)
   return std::min(most_items / items, most_bytes / bytes);
 }
 
+uint64_t most_light_vertices(const Plan& plan, uint64_t paths, uint64_t most_groups, uint64_t most_bytes) {
+  uint64_t most = UINT32_MAX;
+  for (const StateArray& array : STATE_ARRAYS) {
+    if (!is_kept(array, plan) || !is_per_light_vertex(array, plan)) continue;
+    uint64_t elements = most_bytes / array.bytes;
+    if (array.per != PER_LIGHT_VERTEX) elements = std::min(elements, most_groups * WORKGROUP_SIZE);
+    // Candidates hold a light sample of each path, too.
+    if (array.per == PER_CANDIDATE) elements -= std::min(elements, paths);
+    most = std::min(most, elements);
+  }
+  return most;
+}
+
 uint32_t choose_capacity(const gpu::DeviceInfo& device, uint64_t free_bytes, const Plan& plan,
                          uint64_t total_paths) {
   uint64_t paths = plan.wave_paths;
@@ -190,7 +234,11 @@ uint32_t choose_capacity(const gpu::DeviceInfo& device, uint64_t free_bytes, con
   const auto groups_of = [](uint64_t items) { return (items + WORKGROUP_SIZE - 1) / WORKGROUP_SIZE; };
   const uint64_t most_groups =
       most_paths(plan, device.max_groups, device.max_allocation_bytes) / WORKGROUP_SIZE;
-  if (most_groups == 0)
+  // A wave is cut where its light paths leave too much; a group of paths is not.
+  const uint64_t most_of_group =
+      plan.is_per_wave && plan.keeps(STATE_VERTICES) ? WORKGROUP_SIZE * vertices_per_path(plan) : 0;
+  if (most_groups == 0 || most_of_group > most_light_vertices(plan, WORKGROUP_SIZE, device.max_groups,
+                                                              device.max_allocation_bytes))
     throw Error(
         ErrorCode::Failed,
         fmt::format("device {} runs {} groups at once and allocates {} MiB: too little for {} "

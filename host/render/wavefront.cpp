@@ -37,7 +37,6 @@ Wavefront::Wavefront(gpu::Device& device_in, const PreparedScene& prepared, cons
       core(device, work, watch, pipeline, buffers, plan, host_rays.get()) {
   statistics.rays = rays_by;
   statistics.wave_capacity = capacity;
-  statistics.bytes_per_path = bytes_per_path(plan);
 }
 
 bool Wavefront::has_pass(Pass pass) const {

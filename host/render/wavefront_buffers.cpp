@@ -15,12 +15,11 @@ using namespace interface;
 
 namespace {
 
-// Before the first count is known there is room for this many light vertices per light path.
-constexpr uint64_t EXPECTED_VERTICES = 4;
 constexpr uint64_t MAX_GRID_CELLS = 1u << 24;
 
 // Arrays that are made anew when there are more light vertices than there was room for.
-bool is_by_light_vertex(const StateArray& array) {
+bool is_by_light_vertex(const StateArray& array, const Plan& plan) {
+  if (array.per == PER_PAIR || array.per == PER_CANDIDATE) return connects_own_paths(plan);
   return array.per == PER_LIGHT_VERTEX || array.per == PER_CELL_SUM;
 }
 
@@ -55,7 +54,7 @@ void check_layers(const gpu::Device& device, const Plan& plan) {
 
 WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const Camera& camera,
                                    const Plan& plan, uint32_t capacity)
-    : plan_(plan), sizes_{.paths = capacity} {
+    : plan_(plan), sizes_(sizes_of(plan, capacity, 0)) {
   const gpu::DeviceInfo& info = device.info();
   if (capacity > most_paths(plan, info.max_groups, info.max_allocation_bytes))
     throw std::logic_error(fmt::format(
@@ -76,7 +75,7 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
   frame_.shadow_roulette = plan.shadow_roulette;
   frame_.light_path_count = plan.light_paths;
   frame_.light_head_modulus = plan.is_per_wave ? 0 : plan.light_paths;
-  frame_.pair_capacity = capacity * plan.connections_per_vertex;
+  frame_.pair_capacity = static_cast<uint32_t>(sizes_.pairs);
   frame_.cache_connections = plan.cache_connections;
   frame_.layer_count = static_cast<uint32_t>(plan.layers.names.size());
   const auto& kinds = plan.layers.of_kind;
@@ -94,8 +93,8 @@ WavefrontBuffers::WavefrontBuffers(gpu::Device& device, const DeviceScene& scene
                                                         plan.max_depth)));
   frame_buffer_ = device.create_buffer(sizeof(Frame), "frame");
   if (plan.keeps(STATE_VERTICES)) {
-    const uint64_t walks = plan.is_per_wave ? capacity : plan.light_paths, most = vertices_per_path(plan);
-    grow_light_vertices(device, walks * (plan.is_per_wave ? most : std::min(most, EXPECTED_VERTICES)));
+    grow_light_vertices(device,
+                        expected_light_vertices(plan, plan.is_per_wave ? capacity : plan.light_paths));
   } else {
     device.upload(frame_buffer_, 0, gpu::bytes_of(frame_));
   }
@@ -114,15 +113,15 @@ void WavefrontBuffers::for_each_array(const Visit& visit) {
 // first.
 void WavefrontBuffers::allocate(gpu::Device& device, bool by_light_vertex) {
   for_each_array([&](const StateArray& row, gpu::Buffer& buffer, DeviceAddress& address) {
-    if (is_by_light_vertex(row) != by_light_vertex) return;
+    if (is_by_light_vertex(row, plan_) != by_light_vertex) return;
     buffer = device.create_buffer(bytes_of_array(row, plan_, sizes_), row.name);
     address = device_address(buffer.address());
   });
 }
 
 void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertices) {
-  for_each_array([](const StateArray& row, gpu::Buffer& buffer, DeviceAddress&) {
-    if (is_by_light_vertex(row)) buffer = {};
+  for_each_array([&](const StateArray& row, gpu::Buffer& buffer, DeviceAddress&) {
+    if (is_by_light_vertex(row, plan_)) buffer = {};
   });
   const uint64_t bytes = vertices * bytes_per_light_vertex(plan_);
   if (vertices >= INVALID_INDEX || bytes > device.free_bytes())
@@ -130,9 +129,10 @@ void WavefrontBuffers::grow_light_vertices(gpu::Device& device, uint64_t vertice
         ErrorCode::Failed,
         fmt::format("{} light vertices need {} MiB of device memory, {} MiB are free; use fewer light paths",
                     vertices, bytes >> 20, device.free_bytes() >> 20));
-  sizes_.light_vertices = vertices;
+  sizes_ = sizes_of(plan_, sizes_.paths, vertices);
   sizes_.grid_cells = std::clamp<uint64_t>(std::bit_ceil(vertices), 64, MAX_GRID_CELLS);
   frame_.light_vertex_capacity = static_cast<uint32_t>(vertices);
+  frame_.pair_capacity = static_cast<uint32_t>(sizes_.pairs);
   frame_.grid_cell_mask = static_cast<uint32_t>(sizes_.grid_cells - 1);
   allocate(device, true);
   device.upload(frame_buffer_, 0, gpu::bytes_of(frame_));

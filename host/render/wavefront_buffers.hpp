@@ -20,8 +20,8 @@ class WavefrontBuffers {
   WavefrontBuffers(gpu::Device& device, const DeviceScene& scene, const interface::Camera& camera,
                    const Plan& plan, uint32_t capacity);
 
-  /// Makes room for at least `vertices` light vertices; what was stored is lost. No submission may be in
-  /// flight.
+  /// Makes room for at least `vertices` light vertices and the pairs of them; what was stored is lost. No
+  /// submission may be in flight.
   void grow_light_vertices(gpu::Device& device, uint64_t vertices);
 
   /// Sets the number of light vertices that connections to the cache expect. No submission may be in flight.
@@ -30,6 +30,9 @@ class WavefrontBuffers {
   /// Sets how many light vertices of the cache a camera vertex connects to; 0: those of its own path.
   /// Preconditions: at most the plan's number; no submission is in flight.
   void connect_to_cache(gpu::Device& device, uint32_t connections);
+
+  /// What there is room for.
+  const StateSizes& sizes() const { return sizes_; }
 
   const interface::Frame& frame() const { return frame_; }
   uint32_t grid_cell_count() const { return frame_.grid_cell_mask + 1; }

@@ -123,6 +123,27 @@ TEST_F(Submissions, FitDispatchesOfFewGroups) {
   }
 }
 
+// Light paths of some thirty vertices each, where a device has room for two of each path in flight: waves are
+// cut until theirs fit. The picture is the same.
+TEST_F(Submissions, AreCutWhereLightPathsLeaveMuch) {
+  const PreparedScene scene = overdraw();
+  const RenderSettings settings = settings_of(40, BPT, 36);
+  const Rendered whole = render(scene, settings);
+  EXPECT_GT(whole.statistics.bytes_per_path, 2000u) << "room was made where there was memory";
+  gpu::faults().most_groups = 36;
+  gpu::DeviceOptions options;
+  options.select = device()->info().name;
+  gpu::Device small(options);
+  gpu::faults() = {};
+  render::Renderer renderer(small, scene, make_plan(scene, settings));
+  renderer.render([](uint64_t, uint64_t) { return true; });
+  EXPECT_GT(renderer.statistics().wave_capacity, 64u);
+  EXPECT_LT(renderer.statistics().bytes_per_path, 1000u);
+  EXPECT_EQ(renderer.statistics().light_paths, 1600u);
+  EXPECT_TRUE(renderer.film().words == whole.film.words);
+  EXPECT_TRUE(renderer.film().splat_words == whole.film.splat_words);
+}
+
 // Nothing of a wave that was given up is in the film: what is left to do gives the picture of a render in one
 // go.
 TEST_F(Submissions, OfACancelledRenderLeaveWholeWaves) {

@@ -179,8 +179,9 @@ TEST(Regularization, IsDroppedWhereEveryLobeIsBroadEnough) {
   EXPECT_FALSE(is_dropped(features)) << "the alpha of other bounds depends on directions";
 }
 
-// By the sizes of the structs: with 1023 light vertices to connect to a path has 1024 candidates of 44 bytes
-// and three lists of 1023 pairs of 8; 65,535 groups of 64 are what Vulkan guarantees.
+// By the sizes of the structs: with 1023 light vertices of the cache to connect to a path has 1024 candidates
+// of 44 bytes and three lists of 1023 pairs of 8; of its own light path two vertices are expected. 65,535
+// groups of 64 are what Vulkan guarantees.
 TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
   scene::Features features;
   features.bits = FEATURE_TRIANGLE_LIGHTS;
@@ -194,9 +195,10 @@ TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
   settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
   settings.max_depth = 1024;
   const Plan paired = plan_of(features, settings);
-  EXPECT_EQ(most_paths(paired, GROUPS, MUCH), GROUPS * 64 / 1024);
-  EXPECT_EQ(most_paths(paired, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1023 * 64))
-      << "light vertices";
+  EXPECT_EQ(most_paths(paired, GROUPS, MUCH), GROUPS * 64 / 3);
+  EXPECT_EQ(most_paths(paired, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (3 * 44)) << "candidates";
+  EXPECT_EQ(most_light_vertices(paired, 1000, GROUPS, MUCH), GROUPS * 64 - 1000) << "candidates";
+  EXPECT_EQ(most_light_vertices(paired, 1000, MUCH, 1 << 20), (1u << 20) / 64) << "light vertices";
   settings.cache_connections = 1024;
   const Plan cached = plan_of(features, settings);
   EXPECT_EQ(most_paths(cached, MUCH, uint64_t{1} << 31), (uint64_t{1} << 31) / (1025 * 44)) << "candidates";
@@ -204,9 +206,9 @@ TEST(PathSlots, FitIntoADispatchAndAnAllocation) {
 }
 
 // By the sizes of the structs. A path tracer's slot: Path 64, Hit 16, radiance 12, two ray queues of 4, three
-// bounce queues of 4, one candidate of 44. With four edges a bidirectional one has three light vertices of 64
-// with a head of 8, a camera vertex of 64, three more candidates, three lists of three pairs of 8, and a
-// splat of 52.
+// bounce queues of 4, one candidate of 44. A bidirectional one has the head of a light path of 8, a camera
+// vertex of 64 and a splat of 52; each light vertex takes 64, another candidate, and a pair of 8 in three
+// lists.
 TEST(PathSlots, CostWhatTheirArraysHold) {
   scene::Features features;
   features.bits = FEATURE_TRIANGLE_LIGHTS;
@@ -217,8 +219,12 @@ TEST(PathSlots, CostWhatTheirArraysHold) {
   EXPECT_EQ(bytes_per_path(plan_of(features, settings)), 64u + 16 + 12 + 8 + 12 + 44);
   settings.techniques = TECHNIQUE_HIT | TECHNIQUE_NEE | TECHNIQUE_SPLAT | TECHNIQUE_CONNECT;
   const Plan paired = plan_of(features, settings);
-  EXPECT_EQ(bytes_per_path(paired), 156u + 3 * 64 + 8 + 64 + 3 * 44 + 3 * 3 * 8 + 52);
-  EXPECT_EQ(bytes_per_light_vertex(paired), 64u);
+  EXPECT_EQ(bytes_per_light_vertex(paired), 64u + 44 + 3 * 8);
+  EXPECT_EQ(bytes_per_path(paired, sizes_of(paired, 1000, 2500)),
+            156 + 8 + 64 + 52 + 5u * (64 + 44 + 3 * 8) / 2);
+  EXPECT_EQ(bytes_per_path(paired, sizes_of(paired, 1000, 9000)),
+            156 + 8 + 64 + 52 + 9u * 64 + 3 * (44 + 3 * 8))
+      << "a camera vertex meets three light vertices at most";
   settings.techniques = TECHNIQUE_SPLAT;
   EXPECT_EQ(bytes_per_path(plan_of(features, settings)), 64u + 16 + 12 + 8 + 12 + 2 * 52)
       << "nothing is traced for visibility, and an emitter has a splat of its own";
@@ -253,12 +259,15 @@ TEST(PathSlots, AreChosenWithinTheLimitsOfTheDevice) {
           device.max_groups = max_groups;
           device.max_allocation_bytes = megabytes << 20;
           const uint64_t paths = choose_capacity(device, megabytes << 24, plan, FILM);
-          const uint64_t edges = std::max(max_depth, 2u) - 1;
+          const uint64_t vertices = paths * std::min(max_depth, 2u);  // expected
           EXPECT_EQ(paths % 64, 0u);
           EXPECT_GE(paths, 64u);
-          EXPECT_LE(paths * (1 + edges), 64ull * max_groups) << "light samples and connections";
-          EXPECT_LE(paths * (1 + edges) * 44, megabytes << 20);
-          EXPECT_LE(paths * edges * 64, megabytes << 20) << "light vertices";
+          EXPECT_LE(paths + vertices, 64ull * max_groups) << "light samples and connections";
+          EXPECT_LE((paths + vertices) * 44, megabytes << 20);
+          EXPECT_LE(vertices * 64, megabytes << 20) << "light vertices";
+          EXPECT_GE(most_light_vertices(plan, paths, max_groups, megabytes << 20),
+                    std::max(max_depth, 2u) - 1)
+              << "those of one path";
           if (wave_paths == 64) {
             EXPECT_EQ(paths, 64u);
           }
@@ -269,7 +278,9 @@ TEST(PathSlots, AreChosenWithinTheLimitsOfTheDevice) {
   settings.max_depth = 1024;
   EXPECT_THROW(choose_capacity(tiny, FILM, plan_of(features, settings), FILM), Error);
   ++tiny.max_allocation_bytes;
-  EXPECT_EQ(choose_capacity(tiny, FILM, plan_of(features, settings), FILM), 64u);
+  EXPECT_EQ(choose_capacity(tiny, FILM, plan_of(features, settings), FILM),
+            64u * 1023 * 64 / (3 * 44) / 64 * 64)
+      << "candidates of a path with two light vertices";
 }
 
 }  // namespace
