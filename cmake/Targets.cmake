@@ -32,11 +32,14 @@ add_custom_target(regulus_host_tests)
 
 # A GoogleTest executable `regulus_test_<name>`, registered with ctest under its own name.
 # Labels (for `ctest -L`): DEVICE when the test needs a Vulkan device.
+# TOGETHER: of many sources, whose helpers have names of their own: they may be compiled as one.
 function(regulus_test name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINK;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "TOGETHER" "" "SOURCES;LINK;LABELS" ${ARGN})
   set(target regulus_test_${name})
   add_executable(${target} ${ARG_SOURCES})
-  set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)  # cases have helpers of the same names
+  if(NOT ARG_TOGETHER)  # cases have helpers of the same names
+    set_target_properties(${target} PROPERTIES UNITY_BUILD OFF)
+  endif()
   target_link_libraries(${target} PRIVATE regulus_options GTest::gtest GTest::gtest_main fmt::fmt
     ${ARG_LINK})
   target_compile_options(${target} PRIVATE ${REGULUS_LIGHT_OPTIMIZATION})

@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <map>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "energy_albedo.hpp"
@@ -16,6 +17,7 @@
 #include "reference/fresnel.hpp"
 #include "render/energy_tables.hpp"
 #include "support/device.hpp"
+#include "support/run_length.hpp"
 
 namespace regulus::test {
 namespace {
@@ -139,9 +141,11 @@ TEST(RoughBase, CreatesNoLight) {
     const char* name;
     Material material;
     bool is_front;
-  } kinds[] = {{"white", white, true},     {"dark coloured", dark, true},       {"alloy", alloy, true},
-               {"half solid", half, true}, {"half solid, inside", half, false}, {"half pane", pane, true}};
-  for (const auto& kind : kinds) {
+  } kinds[] = {{"half solid", half, true}, {"half solid, inside", half, false},
+               {"white", white, true},     {"dark coloured", dark, true},
+               {"alloy", alloy, true},     {"half pane", pane, true}};
+  // A driver that repeats what another has run takes the first two.
+  for (const auto& kind : std::span(kinds).first(is_repeated_run() ? 2 : std::size(kinds))) {
     const std::vector<double> all = on_device(kind.material, kind.is_front, roughness, cosines);
     const auto found = std::max_element(all.begin(), all.end());
     const double most = *found;

@@ -11,8 +11,6 @@
 namespace regulus::scene::test {
 namespace {
 
-constexpr double PI = std::numbers::pi;
-
 LoadOptions posed(double time, const std::string& animation = "") {
   LoadOptions options;
   options.animation = animation;
@@ -103,7 +101,7 @@ TEST(SceneAnimations, RotationsTakeTheShortArcAtConstantSpeed) {
   // A quarter turn about z, its quaternion written with the other sign.
   add_channel(file, of_node(0, "rotation"), {0, 1}, quaternions(file, {0, 0, 0, 1, 0, 0, -half, -half}));
   for (const double t : {0.0, 0.25, 0.5, 0.9, 1.0}) {
-    const double angle = t * PI / 2;
+    const double angle = t * std::numbers::pi / 2;
     EXPECT_LT(glm::length(axis_of(file, t) - glm::dvec3(std::cos(angle), std::sin(angle), 0)), 1e-6) << t;
   }
 }

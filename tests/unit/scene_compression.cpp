@@ -294,22 +294,22 @@ std::vector<uint32_t> texels_of(Gltf& file, size_t texture) {
 }
 
 TEST(SceneCompression, LosslessWebpGivesTheTexelsOfPng) {
-  constexpr uint32_t WIDTH = 7, HEIGHT = 5;
+  constexpr uint32_t width = 7, height = 5;
   std::vector<uint16_t> samples;
   Bytes rgba;
-  for (uint32_t i = 0; i < WIDTH * HEIGHT * 4; ++i) {
+  for (uint32_t i = 0; i < width * height * 4; ++i) {
     // Opaque: where alpha is 0, a lossless encoder may still drop the colour.
     samples.push_back(static_cast<uint16_t>(i % 4 == 3 ? 255 : (i * 37) % 256));
     rgba.push_back(static_cast<unsigned char>(samples.back()));
   }
   uint8_t* encoded = nullptr;
-  const size_t size = WebPEncodeLosslessRGBA(rgba.data(), WIDTH, HEIGHT, 4 * WIDTH, &encoded);
+  const size_t size = WebPEncodeLosslessRGBA(rgba.data(), width, height, 4 * width, &encoded);
   ASSERT_GT(size, 0u);
   const Bytes webp(encoded, encoded + size);
   WebPFree(encoded);
 
   Gltf png_file, webp_file;
-  const auto expected = texels_of(png_file, png_file.texture(make_png(WIDTH, HEIGHT, 4, 8, samples)));
+  const auto expected = texels_of(png_file, png_file.texture(make_png(width, height, 4, 8, samples)));
   // Beside a PNG of another size, which only those take that do not know the extension.
   const size_t texture = webp_file.texture(make_png(1, 1, 3, 8, {1, 2, 3}));
   webp_file.root["images"].push_back({{"uri", "data:image/webp;base64," + base64(webp)}});

@@ -173,8 +173,6 @@ Gltf external_triangle(const std::string& uri) {
   return file;
 }
 
-const std::vector<float> TRIANGLE = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-
 TEST(SceneUris, FilesBelowTheFolderAreRead) {
   const TemporaryFolder folder;
   folder.write("scene/data/a b.bin", TRIANGLE.data(), 36);

@@ -25,12 +25,6 @@ Scene mended(const Gltf& file, const std::string& fault, const std::string& show
   return scene;
 }
 
-glm::vec3 corner(const Scene& scene, size_t triangle, int i) {
-  const interface::Triangle& t = scene.triangles.at(triangle);
-  const uint32_t vertices[3] = {t.v0, t.v1, t.v2};
-  return scene.vertices.at(vertices[i]).position;
-}
-
 // --- Transforms ---
 
 Gltf with_matrix(size_t element, double value) {

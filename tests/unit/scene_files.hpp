@@ -197,4 +197,14 @@ inline bool has_warning(const Scene& scene, const std::string& part) {
   return false;
 }
 
+/// The triangle (0,0,0) (1,0,0) (0,1,0) as an accessor holds it.
+inline const std::vector<float> TRIANGLE = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+/// Position of corner i of a triangle, as it is stored.
+inline glm::vec3 corner(const Scene& scene, size_t triangle, int i) {
+  const interface::Triangle& t = scene.triangles.at(triangle);
+  const uint32_t vertices[3] = {t.v0, t.v1, t.v2};
+  return scene.vertices.at(vertices[i]).position;
+}
+
 }  // namespace regulus::scene::test

@@ -10,12 +10,6 @@
 namespace regulus::scene::test {
 namespace {
 
-glm::vec3 corner(const Scene& scene, size_t triangle, int i) {
-  const interface::Triangle& t = scene.triangles.at(triangle);
-  const uint32_t vertex[3] = {t.v0, t.v1, t.v2};
-  return scene.vertices.at(vertex[i]).position;
-}
-
 /// Twice the signed area seen from +z: positive if the triangle runs counter-clockwise.
 float winding_z(const Scene& scene, size_t triangle) {
   return glm::cross(corner(scene, triangle, 1) - corner(scene, triangle, 0),

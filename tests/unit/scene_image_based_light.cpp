@@ -3,14 +3,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 
 #include "scene_files.hpp"
 
 namespace regulus::scene::test {
 namespace {
-
-constexpr double PI = glm::pi<double>();
 
 /// Radiance of a direction, from the texel that holds it.
 glm::vec3 radiance(const Scene& scene, const glm::dvec3& direction) {
@@ -19,11 +17,11 @@ glm::vec3 radiance(const Scene& scene, const glm::dvec3& direction) {
   if (width == 0) return environment.parameters.radiance;
   const glm::dvec3 d = glm::normalize(direction);
   // interface::Environment
-  double u = std::atan2(d.z, d.x) / (2 * PI) + 0.5 + environment.parameters.rotation;
+  double u = std::atan2(d.z, d.x) / (2 * std::numbers::pi) + 0.5 + environment.parameters.rotation;
   u -= std::floor(u);
   const auto column = std::min(static_cast<uint32_t>(u * width), width - 1);
-  const auto row =
-      std::min(static_cast<uint32_t>(std::acos(std::clamp(d.y, -1.0, 1.0)) / PI * height), height - 1);
+  const auto row = std::min(
+      static_cast<uint32_t>(std::acos(std::clamp(d.y, -1.0, 1.0)) / std::numbers::pi * height), height - 1);
   return environment.texels[size_t{row} * width + column];
 }
 

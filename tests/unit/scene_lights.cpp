@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <glm/gtc/constants.hpp>
+#include <numbers>
 #include <numeric>
 #include <random>
 
@@ -15,8 +15,6 @@
 
 namespace regulus::scene::test {
 namespace {
-
-constexpr double PI = glm::pi<double>();
 
 json emitter(double radiance, bool is_double_sided = false) {
   return {{"emissiveFactor", {1, 1, 1}},
@@ -79,7 +77,8 @@ TEST(SceneLights, ImpossibleConesStayFinite) {
 }
 
 TEST(SceneLights, SpotPowerIsTheIntegralOfItsFalloff) {
-  for (const auto& [inner, outer] : {std::pair(0.0, 0.7), std::pair(0.3, 0.31), std::pair(0.5, PI / 2)}) {
+  for (const auto& [inner, outer] :
+       {std::pair(0.0, 0.7), std::pair(0.3, 0.31), std::pair(0.5, std::numbers::pi / 2)}) {
     interface::Light light {};
     light.kind = interface::LIGHT_SPOT;
     light.intensity = glm::vec3(3);
@@ -95,7 +94,7 @@ TEST(SceneLights, SpotPowerIsTheIntegralOfItsFalloff) {
           (light.outer_height - height) / (double{light.outer_height} - light.inner_height), 0.0, 1.0);
       sum += falloff * falloff;
     }
-    const double expected = 3 * 2 * PI * sum * light.outer_height / n;
+    const double expected = 3 * 2 * std::numbers::pi * sum * light.outer_height / n;
     EXPECT_NEAR(punctual_power(light, 1), expected, 1e-6 * expected) << inner << " " << outer;
   }
 }
@@ -111,7 +110,8 @@ TEST(SceneLights, SelectionIsInProportionToPower) {
   file.light({{"type", "directional"}, {"intensity", 4}});  // pi r^2 * 4, r = sqrt(2) / 2
   const Scene scene = load_with_lights(file);
   ASSERT_EQ(scene.lights.size(), 4u);
-  const double powers[4] = {2 * PI, 2 * PI, PI, 2 * PI};  // punctual first: point, directional
+  const double powers[4] = {2 * std::numbers::pi, 2 * std::numbers::pi, std::numbers::pi,
+                            2 * std::numbers::pi};  // punctual first: point, directional
   const double total = std::accumulate(powers, powers + 4, 0.0);
   for (int i = 0; i < 4; ++i) {
     const size_t k = static_cast<size_t>(i);
@@ -161,7 +161,8 @@ TEST(SceneLights, TheEnvironmentIsChosenByItsPower) {
   scene.environment = uniform_environment(glm::vec3(1, 1, 1));  // pi r^2 * 4 pi
   build_lights(scene);
   ASSERT_EQ(scene.lights.size(), 2u);
-  EXPECT_NEAR(scene.environment->parameters.selection_pdf, PI / (1 + PI), 4 * 0x1p-24);
+  EXPECT_NEAR(scene.environment->parameters.selection_pdf, std::numbers::pi / (1 + std::numbers::pi),
+              4 * 0x1p-24);
 }
 
 TEST(SceneLights, BuildingTwiceGivesTheSame) {
@@ -199,9 +200,9 @@ TEST(SceneLights, TexturedEmissionIsAveraged) {
   // 2, of deviation 1/6: 5 deviations of the mean of 64 independent samples, which even ones stay well
   // within.
   const double power = TrianglePower(scene)(scene.triangles[0], 0.5);
-  const double bound = PI * 0.5 * 4 * 5 / 6.0 / 8;
-  std::printf("textured power %.4f, expected %.4f +- %.4f\n", power, PI * 0.5 * 2, bound);
-  EXPECT_NEAR(power, PI * 0.5 * 2, bound);
+  const double bound = std::numbers::pi * 0.5 * 4 * 5 / 6.0 / 8;
+  std::printf("textured power %.4f, expected %.4f +- %.4f\n", power, std::numbers::pi * 0.5 * 2, bound);
+  EXPECT_NEAR(power, std::numbers::pi * 0.5 * 2, bound);
 }
 
 TEST(SceneLights, ATinyBrightSpotKeepsItsTriangleSelectable) {
@@ -255,8 +256,8 @@ size_t count_leaves(const LightTree& tree, uint32_t child, uint32_t depth, uint3
 TreeLight point_at(const glm::dvec3& position, double intensity = 1) {
   TreeLight light;
   light.bounds.lower = light.bounds.upper = position;
-  light.bounds.theta_o = PI;
-  light.bounds.theta_e = PI / 2;
+  light.bounds.theta_o = std::numbers::pi;
+  light.bounds.theta_e = std::numbers::pi / 2;
   light.bounds.intensity = intensity;
   return light;
 }
@@ -289,7 +290,7 @@ TEST(LightTree, DistantLightsShareByPower) {
 TEST(LightTree, UnitedConesHoldBoth) {
   std::mt19937 random(5);
   std::normal_distribution<double> normal;
-  std::uniform_real_distribution<double> uniform(0, PI);
+  std::uniform_real_distribution<double> uniform(0, std::numbers::pi);
   const auto bounds = [&](double theta) {
     LightBounds result;
     result.axis = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
@@ -302,7 +303,7 @@ TEST(LightTree, UnitedConesHoldBoth) {
     const LightBounds both = united(a, b);
     for (const LightBounds& part : {a, b}) {
       const double between = std::acos(std::clamp(glm::dot(part.axis, both.axis), -1.0, 1.0));
-      EXPECT_LE(std::min(between + part.theta_o, PI), both.theta_o + 1e-7) << i;
+      EXPECT_LE(std::min(between + part.theta_o, std::numbers::pi), both.theta_o + 1e-7) << i;
     }
   }
 }

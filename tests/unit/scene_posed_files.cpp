@@ -18,7 +18,7 @@ using glm::dvec3;
 constexpr double SHARE_OF_EXTENT = 0x1p-19;
 
 json expected_poses() {
-  std::ifstream stream(std::string(REGULUS_SOURCE_DIR) + "/tests/unit/poses/expected_positions.json");
+  std::ifstream stream(REGULUS_SOURCE_DIR "/tests/unit/poses/expected_positions.json");
   return json::parse(stream);
 }
 

@@ -10,14 +10,9 @@
 namespace regulus::scene::test {
 namespace {
 
-/// Positions of the corners of triangle t, in the order that has the front in front.
-std::array<glm::vec3, 3> corners(const Scene& scene, uint32_t t = 0) {
-  return placed_positions(scene, t);
-}
-
 void expect_corners(const Scene& scene, uint32_t t, const std::array<glm::vec3, 3>& expected,
                     float tolerance = 0) {
-  const auto found = corners(scene, t);
+  const auto found = placed_positions(scene, t);
   for (size_t i = 0; i < 3; ++i)
     for (int axis = 0; axis < 3; ++axis)
       EXPECT_NEAR(found[i][axis], expected[i][axis], tolerance) << "corner " << i << " axis " << axis;
@@ -124,7 +119,7 @@ TEST(SceneMorphs, CopiesShareAMeshOnlyInOnePose) {
   const Scene scene = file.load(sharing);
   EXPECT_EQ(scene.instances.size(), 2u);
   EXPECT_EQ(placed_triangle_count(scene), 4u);
-  const auto copy = corners(scene, scene.instances[1].first_number);
+  const auto copy = placed_positions(scene, scene.instances[1].first_number);
   EXPECT_EQ(copy[1], glm::vec3(3, 5, 0));
   expect_corners(scene, 1, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}});
   expect_corners(scene, 2, {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}});
@@ -227,7 +222,7 @@ TEST(SceneSkins, NormalsTurnWithJointsAndFrontsStayInFront) {
   const Scene scene = file.load();
   for (const interface::Vertex& vertex : scene.vertices)
     EXPECT_LT(glm::length(vertex.normal - glm::vec3(0, -1, 0)), 1e-6f);
-  const auto p = corners(scene);
+  const auto p = placed_positions(scene, 0);
   const glm::vec3 front = glm::normalize(glm::cross(p[1] - p[0], p[2] - p[0]));
   EXPECT_LT(glm::length(front - glm::vec3(0, -1, 0)), 1e-6f);
 }
@@ -251,7 +246,7 @@ TEST(SceneSkins, NodesThatShareAMeshStandByTheirOwnSkins) {
   for (const LoadOptions& options : {LoadOptions(), sharing}) {
     const Scene scene = file.load(options);
     std::vector<float> heights;
-    for (uint32_t t = 0; t < 3; ++t) heights.push_back(corners(scene, t)[1].z);
+    for (uint32_t t = 0; t < 3; ++t) heights.push_back(placed_positions(scene, t)[1].z);
     std::sort(heights.begin(), heights.end());
     EXPECT_EQ(heights, (std::vector<float>{1, 2, 3}));
   }

@@ -47,8 +47,6 @@ void expect_near(const glm::vec4& found, const glm::dvec3& tangent, float sign) 
   EXPECT_EQ(found.w, sign);
 }
 
-const std::vector<float> TRIANGLE = {0, 0, 0, 1, 0, 0, 0, 1, 0};
-
 // With coordinates of its own the normal texture decides: here those of a second set, turned by its
 // transform.
 TEST(SceneTangents, FollowTheCoordinatesOfTheNormalTexture) {
