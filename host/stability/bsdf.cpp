@@ -201,7 +201,7 @@ struct BsdfResults {
     }
     if ((quantities & RAISED) != 0) {
       add(raised, 3);
-      // Weights clamp densities at 1e-36 (shaders/lib/regularization.glsl), where nothing is measured.
+      // Weights clamp densities at 1e-36 (shaders/lib/lobes/facets.glsl), where nothing is measured.
       truth[3] < NEGLIGIBLE ? raised.lose() : add(raised, 4);
     }
   }

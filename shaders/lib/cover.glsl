@@ -45,18 +45,18 @@ float cover_column(float cosine, float critical, bool is_inside) {
 }
 
 // First pair of the tables of a side, and where a roughness lies between its rows.
-uint cover_pairs(EnergyTables tables, bool is_inside) {
+uint cover_pairs(const EnergyTables tables, bool is_inside) {
   return (tables.first + ENERGY_COVERS + (is_inside ? COVER_SIDE_WORDS : 0u)) / 2u;
 }
-float cover_row(EnergyTables tables, bool is_inside) {
+float cover_row(const EnergyTables tables, bool is_inside) {
   float x = is_inside ? sqrt(tables.roughness) : (tables.roughness - COVER_BEGIN) / (1.0 - COVER_BEGIN);
   return clamp(x, 0.0, 1.0) * float(COVER_ROWS - 1u);
 }
 
-vec2 cover_pair(EnergyTables tables, uint pair) { return LOAD(Vec2Buffer, tables.words, pair); }
+vec2 cover_pair(const EnergyTables tables, uint pair) { return LOAD(Vec2Buffer, tables.words, pair); }
 
 // R and S of a direction with this cosine.
-vec2 cover_albedo(EnergyTables tables, float cosine, bool is_inside) {
+vec2 cover_albedo(const EnergyTables tables, float cosine, bool is_inside) {
   float place = cover_column(cosine, tables.critical, is_inside);
   uint node = min(uint(place), ENERGY_NODES - 2u);
   float row = cover_row(tables, is_inside);
@@ -69,7 +69,7 @@ vec2 cover_albedo(EnergyTables tables, float cosine, bool is_inside) {
 }
 
 // Their means over directions.
-vec2 cover_mean(EnergyTables tables, bool is_inside) {
+vec2 cover_mean(const EnergyTables tables, bool is_inside) {
   float row = cover_row(tables, is_inside);
   uint below = min(uint(row), COVER_ROWS - 2u);
   uint first = cover_pairs(tables, is_inside) + COVER_NODES + below;

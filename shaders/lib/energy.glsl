@@ -25,7 +25,7 @@ struct EnergyTables {
   float critical;   // cosine at which total reflection begins on the dense side of their interface
 };
 
-float energy_word(EnergyTables tables, uint word) { return LOAD(FloatBuffer, tables.words, word); }
+float energy_word(const EnergyTables tables, uint word) { return LOAD(FloatBuffer, tables.words, word); }
 
 // Cosine at which total reflection begins on the dense side of an interface of index `ior`.
 float critical_cosine(float ior) { return safe_sqrt((ior - 1.0) * (ior + 1.0)) / ior; }
@@ -46,50 +46,50 @@ EnergyTables find_energy_tables(DeviceAddress words, float ior, vec2 alpha) {
   return tables;
 }
 
-float energy_mean(EnergyTables tables, uint first) {
+float energy_mean(const EnergyTables tables, uint first) {
   float place = clamp(tables.roughness, 0.0, 1.0) * float(ENERGY_NODES - 1u);
   uint node = min(uint(place), ENERGY_NODES - 2u);
   return mix(energy_word(tables, first + node), energy_word(tables, first + node + 1u), place - float(node));
 }
 
 // Linear between the four words around, of which `corner` is the first. rest: where between columns and between rows.
-float energy_between(EnergyTables tables, uint corner, vec2 rest) {
+float energy_between(const EnergyTables tables, uint corner, vec2 rest) {
   float low = mix(energy_word(tables, corner), energy_word(tables, corner + 1u), rest.x);
   float high = mix(energy_word(tables, corner + ENERGY_NODES), energy_word(tables, corner + ENERGY_NODES + 1u), rest.x);
   return mix(low, high, rest.y);
 }
 
-float energy_plane(EnergyTables tables, uint first, float x) {
+float energy_plane(const EnergyTables tables, uint first, float x) {
   vec2 place = clamp(vec2(x, tables.roughness), 0.0, 1.0) * float(ENERGY_NODES - 1u);
   uvec2 node = min(uvec2(place), uvec2(ENERGY_NODES - 2u));
   return energy_between(tables, first + node.y * ENERGY_NODES + node.x, place - vec2(node));
 }
 
 // Where a direction with this cosine lies in the planes of energy.
-float energy_position(EnergyTables tables, float cosine) {
+float energy_position(const EnergyTables tables, float cosine) {
   float sine = safe_sqrt((1.0 - cosine) * (1.0 + cosine));
   return cosine / max(cosine + square(tables.roughness) * sine, 1e-20);
 }
 
 // E
-float energy_reflected(EnergyTables tables, float cosine) {
+float energy_reflected(const EnergyTables tables, float cosine) {
   return energy_plane(tables, ENERGY_COMMON, energy_position(tables, cosine));
 }
 
 // E'
-float energy_scattered(EnergyTables tables, float cosine, bool is_inside) {
+float energy_scattered(const EnergyTables tables, float cosine, bool is_inside) {
   uint plane = (is_inside ? ENERGY_SCATTERED_IN : ENERGY_SCATTERED_OUT) - 1u;
   return energy_plane(tables, tables.first + plane * ENERGY_PLANE_WORDS, energy_position(tables, cosine));
 }
 
 // How much further the mean Fresnel position lies than at a smooth surface: for a direction from outside, and over all.
-float energy_fresnel(EnergyTables tables, float cosine) { return energy_plane(tables, tables.first, cosine); }
-float energy_fresnel_mean(EnergyTables tables) {
+float energy_fresnel(const EnergyTables tables, float cosine) { return energy_plane(tables, tables.first, cosine); }
+float energy_fresnel_mean(const EnergyTables tables) {
   return energy_mean(tables, tables.first + 3u * ENERGY_PLANE_WORDS);
 }
 
 // Factor on a metal of this colour at normal incidence.
-vec3 metal_compensation(EnergyTables tables, float cosine, vec3 color) {
+vec3 metal_compensation(const EnergyTables tables, float cosine, vec3 color) {
   float kept = energy_reflected(tables, cosine);
   float mean = energy_mean(tables, ENERGY_COMMON + ENERGY_PLANE_WORDS);
   vec3 fresnel = color + (1.0 - color) * (1.0 / 21.0);

@@ -12,9 +12,6 @@
 // A footprint: variance of the position across the ray (m^2), covariance of position and angle (m rad), variance of the
 // angle (rad^2), each per axis.
 
-// What a Lambert lobe leaves: the diffusion 2 sqrt(variance) is 1 there.
-const float MAX_ANGULAR_VARIANCE = 0.25;
-
 #define has_footprints() has_state(STATE_FOOTPRINTS)
 
 // At the lens: a pixel's solid angle (orthographic: its area), and the lens.
@@ -73,10 +70,8 @@ float curvature_at(Frame frame, uint triangle_number) {
 // After scattering by `event` at a surface of mean curvature `curvature`.
 vec3 scattered(vec3 footprint, Bsdf bsdf, BsdfSample event, float curvature) {
   if ((event.flags & BSDF_SAMPLE_DIFFUSE) != 0u) return vec3(footprint.x, 0.0, MAX_ANGULAR_VARIANCE);
-  vec2 alpha = (event.flags & BSDF_SAMPLE_COAT) != 0u ? bsdf.coat_alpha : bsdf.alpha;
-  float lobe = 2.0 * alpha.x * alpha.y;
+  float lobe = facets_spread(bsdf, event);
   if (event.facet.is_refracted) {
-    lobe *= 0.25 * square(1.0 - bsdf.inverse_eta);
     footprint = refracted(footprint, bsdf.inverse_eta, curvature);
   } else if (!event.facet.is_transmitted) {
     footprint = reflected(footprint, curvature);

@@ -13,7 +13,7 @@
 
 // Appends the vertex to those of the light path in slot `head`. What does not fit is counted, not stored: the
 // host then makes room and walks again.
-void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head,
+void store_light_vertex(Frame frame, const ShadingPoint point, Path path, vec2 sharp, PathHistory history, Hit hit, uint head,
                         uint slot) {
   uint index = ATOMIC_ADD(frame.light_vertex_count, LIGHT_COUNT_VERTICES, 1u);
   if (index >= frame.light_vertex_capacity) return;
@@ -42,7 +42,7 @@ void store_light_vertex(Frame frame, ShadingPoint point, Path path, vec2 sharp, 
 // p_connect / p_trace of the light where a light path starts (docs/mathematics.md 3.2), for its first vertex: how likely nee would
 // choose that light from there. Which light it is follows from the path's random numbers. (How a guide has moved the path's
 // start is in its accumulators already.)
-float first_connect_ratio(Frame frame, ShadingPoint point, Path path) {
+float first_connect_ratio(Frame frame, const ShadingPoint point, Path path) {
   if ((spec_techniques & TECHNIQUE_NEE) == 0u) return 1.0;
   if (spec_light_sampling == LIGHT_SAMPLING_POWER && !has_light_guide()) return 1.0;
   vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_EMISSION);
@@ -82,7 +82,7 @@ bool is_off_film(Frame frame, vec2 film) {
 }
 
 // Technique `splat`: queues the segment to the lens with what it would contribute.
-void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
+void connect_to_lens(Frame frame, const ShadingPoint point, Path path, MisVertex vertex, PathHistory history,
                      TechniqueCounts counts, Hit hit, uint slot) {
   if ((spec_techniques & TECHNIQUE_SPLAT) == 0u || stage.is_repeated != 0u) return;
   vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_SPLAT + path.bounce);
@@ -119,7 +119,7 @@ void connect_to_lens(Frame frame, ShadingPoint point, Path path, MisVertex verte
 
 // Continues the walk. Roulette keeps the power of all light paths alike: a path survives with the bsdf's own factor.
 // `sharp`: the vertex as it counts for a camera path that has not diffused on its way here.
-void scatter_light(Frame frame, ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
+void scatter_light(Frame frame, const ShadingPoint point, Path path, MisVertex vertex, MisVertex sharp, PathHistory history,
                    TechniqueCounts counts, Hit hit, uint slot) {
   vec4 u = random_block(frame.seed, path.number & PATH_NUMBER, path.sample_index, DIMENSION_BLOCK_LIGHT_BSDF + path.bounce);
   BsdfSample next = bsdf_sample(point.bsdf, point.wo, u.x, u.yz, TRANSPORT_IMPORTANCE);

@@ -51,7 +51,7 @@ float edge_worst(float bounds, float distance) { return bounds / max(square(dist
 
 // per_light: 1 over the pdf of the light's point by nee, as a solid angle, or 0; emission_pdf: see mis_weight_nee; distance:
 // that with which the edge counts (edge_length).
-Weighted measure_nee(Frame frame, TechniqueCounts counts, SubpathEnd camera, ConnectionEval bsdf, float per_light, float emission_pdf,
+Weighted measure_nee(Frame frame, TechniqueCounts counts, SubpathEnd camera, const ConnectionEval bsdf, float per_light, float emission_pdf,
                      float light_bound, float distance, Regularization regularization) {
   count_copies(counts, camera.ratio, bsdf.ratio, camera.regularized);
   float weight = mis_weight_nee(counts, camera.regularized, bsdf.eval.pdf_forward * per_light, emission_pdf,
@@ -67,7 +67,7 @@ Weighted measure_nee(Frame frame, TechniqueCounts counts, SubpathEnd camera, Con
 }
 
 // area_pdf: of the light vertex when the lens samples it; lens_bound: rho-bar of the camera.
-Weighted measure_splat(Frame frame, TechniqueCounts counts, SubpathEnd light, ConnectionEval bsdf, float area_pdf, float lens_bound,
+Weighted measure_splat(Frame frame, TechniqueCounts counts, SubpathEnd light, const ConnectionEval bsdf, float area_pdf, float lens_bound,
                        float distance, Regularization regularization) {
   count_copies(counts, light.ratio, bsdf.ratio, light.regularized);
   float weight =
@@ -82,8 +82,8 @@ Weighted measure_splat(Frame frame, TechniqueCounts counts, SubpathEnd light, Co
 }
 
 // to_camera, to_light: solid-angle pdf towards the vertex to area pdf there.
-Weighted measure_connect(Frame frame, TechniqueCounts counts, SubpathEnd camera, ConnectionEval at_camera, float to_camera,
-                         SubpathEnd light, ConnectionEval at_light, float to_light, float distance,
+Weighted measure_connect(Frame frame, TechniqueCounts counts, SubpathEnd camera, const ConnectionEval at_camera, float to_camera,
+                         SubpathEnd light, const ConnectionEval at_light, float to_light, float distance,
                          Regularization regularization) {
   float ratios = at_camera.ratio * at_light.ratio;
   count_copies(counts, camera.ratio, at_camera.ratio, camera.regularized);
@@ -105,7 +105,7 @@ Weighted measure_connect(Frame frame, TechniqueCounts counts, SubpathEnd camera,
 }
 
 // bsdf: at the merged vertex, of the camera's surface.
-Weighted measure_merge(Frame frame, TechniqueCounts counts, SubpathEnd camera, SubpathEnd light, ConnectionEval bsdf,
+Weighted measure_merge(Frame frame, TechniqueCounts counts, SubpathEnd camera, SubpathEnd light, const ConnectionEval bsdf,
                        Regularization regularization) {
   count_copies(counts, camera.ratio, bsdf.ratio, camera.regularized);
   count_copies(counts, light.ratio, bsdf.ratio, light.regularized);

@@ -11,6 +11,7 @@ const float INV_SQRT_PI = 0.564189583547756;
 const float LN_2_HIGH = 0.693359375;  // 9 bits, so that its product with an exponent is exact
 const float LN_2_LOW = -2.12194440e-4;
 const float ONE_MINUS_ULP = 0.99999994;  // the largest float below 1
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);  // Rec. 709
 
 float square(float x) { return x * x; }
 float safe_sqrt(float x) { return sqrt(max(x, 0.0)); }

@@ -11,7 +11,7 @@
 #include "lib/cover.glsl"
 
 // T
-float refracted_share(EnergyTables tables, float cosine, bool is_inside) {
+float refracted_share(const EnergyTables tables, float cosine, bool is_inside) {
   vec2 place = vec2(cover_column(cosine, tables.critical, is_inside), cover_row(tables, true));
   uvec2 node = min(uvec2(place), uvec2(ENERGY_NODES - 2u, COVER_ROWS - 2u));
   uint first = tables.first + ENERGY_REFRACTED + (is_inside ? REFRACTED_SIDE_WORDS : 0u);
@@ -24,13 +24,13 @@ EnergyTables with_alpha(EnergyTables tables, vec2 alpha) {
 }
 
 // The factor on a reflection lobe. cosine: of the camera's direction.
-float reflection_kept(EnergyTables tables, vec2 alpha, vec2 raised_alpha, float cosine) {
+float reflection_kept(const EnergyTables tables, vec2 alpha, vec2 raised_alpha, float cosine) {
   if (raised_alpha == alpha) return 1.0;
   return energy_reflected(with_alpha(tables, alpha), cosine) / energy_reflected(with_alpha(tables, raised_alpha), cosine);
 }
 
 // The factor on a refraction lobe. is_inside: the camera's direction is on the denser side.
-float refraction_kept(EnergyTables tables, vec2 alpha, vec2 raised_alpha, float cosine, bool is_inside) {
+float refraction_kept(const EnergyTables tables, vec2 alpha, vec2 raised_alpha, float cosine, bool is_inside) {
   if (raised_alpha == alpha) return 1.0;
   float raised = refracted_share(with_alpha(tables, raised_alpha), cosine, is_inside);
   return raised > 0.0 ? refracted_share(with_alpha(tables, alpha), cosine, is_inside) / raised : 0.0;

@@ -30,16 +30,16 @@ struct ShadingPoint {
   bool is_closed;   // that solid is closed
 };
 
-vec3 to_local(ShadingPoint point, vec3 w) {
+vec3 to_local(const ShadingPoint point, vec3 w) {
   return vec3(dot(w, point.tangent), dot(w, point.bitangent), dot(w, point.normal));
 }
-vec3 to_world(ShadingPoint point, vec3 w) {
+vec3 to_world(const ShadingPoint point, vec3 w) {
   return w.x * point.tangent + w.y * point.bitangent + w.z * point.normal;
 }
 
 // True if the geometric and the shading normal agree on which side of the surface w is (w_local: the same in the
 // local frame).
-bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
+bool sides_agree(const ShadingPoint point, vec3 w, vec3 w_local) {
   return dot(w, point.geometric_normal) * w_local.z > 0.0;
 }
 
@@ -53,7 +53,7 @@ bool sides_agree(ShadingPoint point, vec3 w, vec3 w_local) {
 //   beyond the facet's horizon: it arrives at the curved surface for which the facet stands, so rays in such directions start
 //   there (Surface.rise). No light walk arrives at a facet like this: its probability there is 0. From behind the shading
 //   normal there is no light.
-vec3 half_turned(ShadingPoint point, vec3 w_local) {
+vec3 half_turned(const ShadingPoint point, vec3 w_local) {
   vec2 axis = vec2(-dot(point.geometric_normal, point.bitangent), dot(point.geometric_normal, point.tangent));
   float squared = dot(axis, axis);
   axis = squared > 1e-12 ? axis * inversesqrt(squared) : vec2(1.0, 0.0);
@@ -61,42 +61,42 @@ vec3 half_turned(ShadingPoint point, vec3 w_local) {
 }
 
 // A direction towards the camera, as the bsdf sees it.
-vec3 to_local_seen(ShadingPoint point, vec3 w) {
+vec3 to_local_seen(const ShadingPoint point, vec3 w) {
   vec3 local = to_local(point, w);
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u || sides_agree(point, w, local)) return local;
   return half_turned(point, local);
 }
 
 // The direction towards the camera that the bsdf sees as w_local.
-vec3 to_world_seen(ShadingPoint point, vec3 w_local) {
+vec3 to_world_seen(const ShadingPoint point, vec3 w_local) {
   vec3 w = to_world(point, w_local);
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u || sides_agree(point, w, w_local)) return w;
   return to_world(point, half_turned(point, w_local));
 }
 
 // True if the surface bulges on the side of w, a direction towards the camera.
-bool bulges_towards(ShadingPoint point, vec3 w) {
+bool bulges_towards(const ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.bulge * dot(w, point.geometric_normal) > 0.0;
 }
 
 // At a point of a light walk: true if light from wo does not go towards w. See half_turned.
-bool is_dark_towards(ShadingPoint point, vec3 w) {
+bool is_dark_towards(const ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.is_turned && bulges_towards(point, w);
 }
 
 // At a point of a camera walk: true if w, towards the light, lies beyond the facet's horizon and counts.
-bool is_beyond_horizon(ShadingPoint point, vec3 w) {
+bool is_beyond_horizon(const ShadingPoint point, vec3 w) {
   return (spec_features & FEATURE_BULGES) != 0u && point.is_curved && dot(w, point.normal) > 0.0 &&
          dot(w, point.geometric_normal) < 0.0;
 }
 
 // The absolute cosine with which a light walk arrives from w, 0 if none can.
-float arrival_cosine(ShadingPoint point, vec3 w) {
+float arrival_cosine(const ShadingPoint point, vec3 w) {
   return is_beyond_horizon(point, w) ? 0.0 : abs(dot(w, point.geometric_normal));
 }
 
 // At a point of a camera walk: a direction towards the light, as the bsdf sees it. False if no light comes from there.
-bool to_local_lit(ShadingPoint point, vec3 w, out vec3 local) {
+bool to_local_lit(const ShadingPoint point, vec3 w, out vec3 local) {
   local = to_local(point, w);
   if (sides_agree(point, w, local)) return true;
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return false;
@@ -106,7 +106,7 @@ bool to_local_lit(ShadingPoint point, vec3 w, out vec3 local) {
 }
 
 // The direction towards the light that the bsdf sees as w_local.
-bool to_world_lit(ShadingPoint point, vec3 w_local, out vec3 w) {
+bool to_world_lit(const ShadingPoint point, vec3 w_local, out vec3 w) {
   w = to_world(point, w_local);
   if (sides_agree(point, w, w_local)) return true;
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return false;
@@ -116,7 +116,7 @@ bool to_world_lit(ShadingPoint point, vec3 w_local, out vec3 w) {
 }
 
 // Where a ray leaves the point towards `direction`.
-vec3 ray_origin(ShadingPoint point, vec3 direction) {
+vec3 ray_origin(const ShadingPoint point, vec3 direction) {
   vec3 position = point.surface.position;
   if (is_beyond_horizon(point, direction)) {
     position += point.surface.rise;
@@ -148,7 +148,7 @@ void align_with_anisotropy(Frame frame, uint triangle_number, vec2 barycentrics,
 }
 
 // Unit normal of the clearcoat on the front side; `surface` has the vertices' normal.
-vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, Surface surface, Material material) {
+vec3 coat_normal(Frame frame, uint triangle, vec2 barycentrics, const Surface surface, Material material) {
   if ((spec_features & FEATURE_TEXTURES) == 0u || material.clearcoat_normal_texture == INVALID_INDEX)
     return surface.shading_normal;
   return mapped_normal(frame, triangle, barycentrics, surface, material.clearcoat_normal_texture,
@@ -212,11 +212,8 @@ ShadingPoint shading_point(Frame frame, uint triangle, vec2 barycentrics, vec3 w
   bool is_curved = (spec_features & FEATURE_BULGES) != 0u && point.is_curved;
   if (bsdf_has_relief() && point.material.normal_texture != INVALID_INDEX && !is_curved)
     point.bsdf.geometric_normal = to_local(point, point.geometric_normal);
-  if (bsdf_has_coat_normal() && point.bsdf.is_coat_turned) point.bsdf.coat_normal = to_local(point, of_coat);
-  if (bsdf_has_sheen()) add_sheen(frame.sheen_table, point.material, point.is_front, point.bsdf);
-  if (uses_energy_tables()) find_tables(frame.energy_tables, point.material, point.bsdf);
-  if (compensates_energy()) compensate_energy(point.material, point.bsdf);
-  if (has_rough_base()) cover_base(point.material, point.bsdf);
+  if (bsdf_has_coat_normal() && point.bsdf.coat.is_turned) point.bsdf.coat.normal = to_local(point, of_coat);
+  complete_bsdf(frame, point.material, point.is_front, point.bsdf);
   return point;
 }
 
@@ -247,13 +244,13 @@ void guide_choice(Frame frame, vec2 u, inout ShadingPoint point, inout BsdfChoic
 const float SEGMENT_SCALE = 1.0 - 16.0 * FLOAT_EPSILON;
 
 // The solids on the side of the surface that w leaves to.
-MediaSet media_towards(ShadingPoint point, float w_local_z) {
+MediaSet media_towards(const ShadingPoint point, float w_local_z) {
   if (spec_material_class != MATERIAL_CLASS_TRANSMISSIVE || w_local_z > 0.0 || point.solid == INVALID_INDEX) return point.around;
   return media_behind(point.around, point.solid, point.is_front);
 }
 
 // Medium on the side of the surface that w leaves to, for a path that arrived through `medium`.
-uint medium_towards(Frame frame, ShadingPoint point, uint medium, float w_local_z) {
+uint medium_towards(Frame frame, const ShadingPoint point, uint medium, float w_local_z) {
   if ((spec_features & FEATURE_ABSORPTION) == 0u || spec_material_class != MATERIAL_CLASS_TRANSMISSIVE) return medium;
   if (w_local_z > 0.0 || (point.material.flags & MATERIAL_VOLUME) == 0u) return medium;
   if (has_contacts() && point.solid != INVALID_INDEX) return medium_of(frame, media_towards(point, w_local_z));
@@ -262,7 +259,7 @@ uint medium_towards(Frame frame, ShadingPoint point, uint medium, float w_local_
 
 // Where a ray that leaves the surface towards w starts. triangle, barycentrics: of the surface. A ray towards what lies beyond
 // the facet's horizon stays on the side of wo and leaves no surface: the facet itself may be in its way.
-PathMedia ray_media(ShadingPoint point, vec3 w, float w_local_z, uint triangle, vec2 barycentrics) {
+PathMedia ray_media(const ShadingPoint point, vec3 w, float w_local_z, uint triangle, vec2 barycentrics) {
   if (is_beyond_horizon(point, w)) return start_media(point.around);
   return PathMedia(media_towards(point, w_local_z), barycentrics, triangle, point.solid);
 }
@@ -283,29 +280,26 @@ vec3 transmittance_before_plane(Frame frame, float distance) {
 
 // Factor from a light walk's |cos| of the shading normal to the path's own measure: |w.n_s| / |w.n_g| with w towards
 // the light (Veach 1997, section 5.3). 1 without smooth normals.
-float shading_correction(ShadingPoint point, vec3 towards_light, float cos_shading) {
+float shading_correction(const ShadingPoint point, vec3 towards_light, float cos_shading) {
   if ((spec_features & FEATURE_SMOOTH_NORMALS) == 0u) return 1.0;
   return abs(cos_shading) / max(abs(dot(towards_light, point.geometric_normal)), 1e-7);
 }
 
 // True if the surface has a lobe that connections and merges can use.
-bool is_connectible(ShadingPoint point) {
+bool is_connectible(const ShadingPoint point) {
   if (spec_regularization != REGULARIZATION_NONE) return true;
-  if (!bsdf_has_delta() || point.bsdf.alpha.x > 0.0) return true;
-  if (bsdf_has_coat() && point.bsdf.coat > 0.0 && point.bsdf.coat_alpha.x > 0.0) return true;
-  if (bsdf_has_sheen() && point.bsdf.sheen.here > 0.0) return true;
-  return max(point.bsdf.diffuse.r, max(point.bsdf.diffuse.g, point.bsdf.diffuse.b)) > 0.0;
+  return has_finite_lobe(point.bsdf);
 }
 
 // The point as the choice of a light sees it. Where a surface only reflects, the light that counts comes from the side of wo,
 // whichever way the path is walked: by the geometric normal, or where the surface bulges, by the shading normal.
-LightReceiver light_receiver(ShadingPoint point) {
+LightReceiver light_receiver(const ShadingPoint point) {
   vec3 normal = (spec_features & FEATURE_BULGES) != 0u && point.bulge > 0.0 ? point.normal : point.geometric_normal;
   return LightReceiver(point.surface.position, spec_material_class == MATERIAL_CLASS_TRANSMISSIVE ? vec3(0.0) : normal);
 }
 
 // The segment from a surface point to `target` (already off its own surface), as a candidate without contribution.
-VisibilityCandidate visibility_segment(ShadingPoint point, vec3 towards, vec3 target) {
+VisibilityCandidate visibility_segment(const ShadingPoint point, vec3 towards, vec3 target) {
   VisibilityCandidate candidate;
   candidate.origin = ray_origin(point, towards);
   vec3 segment = target - candidate.origin;

@@ -16,7 +16,7 @@ BsdfSample follow(ShadingPoint point) {
   const float NARROW_ALPHA = 1e-4;
   Bsdf bsdf = point.bsdf;
   bsdf.alpha = min(bsdf.alpha, vec2(NARROW_ALPHA));
-  bsdf.coat_alpha = min(bsdf.coat_alpha, vec2(NARROW_ALPHA));
+  bsdf.coat.alpha = min(bsdf.coat.alpha, vec2(NARROW_ALPHA));
   return bsdf_sample(bsdf, point.wo, ONE_MINUS_ULP, vec2(0.5), TRANSPORT_RADIANCE);
 }
 

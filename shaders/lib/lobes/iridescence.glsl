@@ -34,6 +34,11 @@ struct Film {
   vec3 albedo;      // of the diffuse base
 };
 
+Film make_film(const Material material, vec3 albedo) {
+  return Film(material.iridescence, max(material.iridescence_ior, 1.0), material.iridescence_thickness.y, material.base_color,
+              albedo);
+}
+
 // The film's faces at one angle, for what lies below it.
 struct FilmFaces {
   vec3 passed;      // T12 T23 / (1 - Q): 1 - F on average over thicknesses
@@ -49,7 +54,7 @@ vec3 film_base_ior(vec3 base_f0) {
 }
 
 // F at normal incidence on average over thicknesses, accurate also where it is little.
-vec3 film_mean(Film film, vec3 base_f0) {
+vec3 film_mean(const Film film, vec3 base_f0) {
   vec3 base_ior = film_base_ior(base_f0);
   float r12 = square((film.ior - 1.0) / (film.ior + 1.0));
   vec3 r23 = (base_ior - film.ior) / (base_ior + film.ior);
@@ -57,7 +62,7 @@ vec3 film_mean(Film film, vec3 base_f0) {
   return r12 + square(4.0 * film.ior / square(film.ior + 1.0)) * r23 / (1.0 - clamp(r12 * r23, 1e-5, 0.9999));
 }
 
-FilmFaces film_faces(Film film, vec3 base_f0, float c) {
+FilmFaces film_faces(const Film film, vec3 base_f0, float c) {
   vec3 base_ior = film_base_ior(base_f0);
   float c2 = sqrt(c * c + (film.ior - 1.0) * (film.ior + 1.0)) / film.ior;
   float t12 = 4.0 * film.ior / square(film.ior + 1.0) * schlick_rest(c);
@@ -90,7 +95,7 @@ vec3 film_sensitivity(float path, vec3 sign) {
 }
 
 // 1 - F for what reflects base_f0 at normal incidence without the film. c: cosine on the thin side.
-vec3 film_transmittance(Film film, vec3 base_f0, float c) {
+vec3 film_transmittance(const Film film, vec3 base_f0, float c) {
   FilmFaces faces = film_faces(film, base_f0, c);
   vec3 first = 2.0 * film_sensitivity(faces.path, faces.sign);
   vec3 second = 2.0 * film_sensitivity(2.0 * faces.path, vec3(1.0));
@@ -107,7 +112,7 @@ float least_component(vec3 color) { return min(color.r, min(color.g, color.b)); 
 // base: what is not reflected. Facets of a rough surface stand at other angles; the base gets no more than the brightest colours
 // of any thickness leave, so that it never returns more than it gets (docs/mathematics.md 14). From inside a solid, where
 // facets blur total reflection, it gets nothing.
-float film_passage(Film film, vec3 base_f0, float c, vec2 alpha, bool is_inside) {
+float film_passage(const Film film, vec3 base_f0, float c, vec2 alpha, bool is_inside) {
   float roughest = max(alpha.x, alpha.y);
   if (is_inside && roughest > 0.0) return 0.0;
   float least = least_component(film_transmittance(film, base_f0, c));
@@ -118,6 +123,44 @@ float film_passage(Film film, vec3 base_f0, float c, vec2 alpha, bool is_inside)
   float rough = least_component(faces.passed * max(1.0 - swing * faces.amplitude * (1.0 + faces.amplitude), 0.0));
   float share = smoothstep(FILM_ROUGH_BEGIN, FILM_ROUGH_FULL, roughest);
   return max(mix(least, rough, share) - min(FILM_MARGIN * roughest, FILM_LARGEST_MARGIN), 0.0);
+}
+
+// The interface below a film: share of metal, and what its dielectric part reflects at normal incidence.
+struct FilmBase {
+  float metallic;
+  vec3 f0;
+};
+
+// F_r under the film. plain: without it; c: cosine on the thin side; *_gain: of energy compensation.
+vec3 film_reflectance(const Film film, const FilmBase base, vec3 plain, float c, vec3 metal_gain, float dielectric_gain) {
+  if (!(film.strength > 0.0)) return plain;
+  vec3 covered = vec3(0.0);
+  if (base.metallic > 0.0) covered += base.metallic * metal_gain * (1.0 - film_transmittance(film, film.metal, c));
+  if (base.metallic < 1.0)
+    covered += (1.0 - base.metallic) * dielectric_gain * (1.0 - film_transmittance(film, base.f0, c));
+  return blend(plain, covered, film.strength);
+}
+
+// What passes into the dielectric, for 1 - F_d without the film.
+vec3 film_refraction(const Film film, const FilmBase base, vec3 plain, float c) {
+  if (!(film.strength > 0.0)) return plain;
+  return blend(plain, vec3(least_component(film_transmittance(film, base.f0, c))), film.strength);
+}
+
+// What a walk chooses between lobes by: what the film reflects on average over thicknesses at normal incidence.
+struct FilmChoice {
+  vec3 reflected;  // as Bsdf::reflected_luminance
+  float least;     // factor on the colours of the diffuse base and of transmission, at normal incidence
+};
+
+FilmChoice film_choice(const Film film, const FilmBase base) {
+  float metal = dot(film_mean(film, film.metal), LUMINANCE);
+  vec3 mean = film_mean(film, base.f0);
+  float dielectric = dot(mean, LUMINANCE);
+  float least = least_component(film_faces(film, base.f0, 1.0).passed);
+  float rest = 1.0 - base.metallic;
+  return FilmChoice(vec3(base.metallic * metal + rest * dielectric, base.metallic * (1.0 - metal), rest * (1.0 - dielectric)),
+                    least);
 }
 
 #endif

@@ -11,7 +11,8 @@
 
 #include "interface/sheen.h"
 #include "lib/buffers.glsl"
-#include "lib/numerics.glsl"
+#include "lib/lobes/scattering.glsl"
+#include "lib/sampling.glsl"
 #include "lib/specialization.glsl"
 
 // A macro as in lib/bsdf_parameters.glsl.
@@ -29,6 +30,16 @@ struct Sheen {
 
 const Sheen NO_SHEEN = Sheen(vec3(0.0), 1.0, 0.0, 0.0, DeviceAddress(0u));
 
+// Solids have sheen on their outside, everything else on both sides. table: interface/sheen.h
+Sheen make_sheen(DeviceAddress table, const Material material, bool is_solid, bool is_front) {
+  float largest = max(material.sheen_color.r, max(material.sheen_color.g, material.sheen_color.b));
+  return Sheen(material.sheen_color, max(material.sheen_roughness, SHEEN_LEAST), is_solid && !is_front ? 0.0 : largest,
+               is_solid && is_front ? 0.0 : largest, table);
+}
+
+// The sheen of either side counts, because this must be a function of the path.
+bool sheen_diffuses(const Sheen sheen) { return max(sheen.here, sheen.across) > 0.0; }
+
 // L of the paper's section 3, a fit.
 float sheen_fit(float x, float a, float b, float c, float d, float e) {
   return a / (1.0 + b * exp_accurate(c * log_accurate(max(x, 1e-12)))) + d * x + e;
@@ -43,10 +54,10 @@ float sheen_lambda(float cosine, float alpha) {
   return exp_accurate(cosine < 0.5 ? fit : 2.0 * sheen_fit(0.5, a, b, c, d, e) - fit);
 }
 
-float sheen_word(Sheen sheen, uint word) { return LOAD(FloatBuffer, sheen.table, word); }
+float sheen_word(const Sheen sheen, uint word) { return LOAD(FloatBuffer, sheen.table, word); }
 
 // E of a direction with this cosine, on a side where the colour has this largest component: 0 where there is no sheen.
-float sheen_albedo(Sheen sheen, float cosine, float largest) {
+float sheen_albedo(const Sheen sheen, float cosine, float largest) {
   if (!(largest > 0.0)) return 0.0;
   float place = sqrt(clamp(cosine, 0.0, 1.0)) * float(SHEEN_DIRECTIONS - 1u);
   uint node = min(uint(place), SHEEN_DIRECTIONS - 2u);
@@ -66,7 +77,7 @@ struct SheenPassage {
 };
 
 // is_transmitted: the directions are on different sides.
-SheenPassage sheen_passage(Sheen sheen, float cos_o, float cos_i, bool is_transmitted) {
+SheenPassage sheen_passage(const Sheen sheen, float cos_o, float cos_i, bool is_transmitted) {
   SheenPassage passage;
   float other = is_transmitted ? sheen.across : sheen.here;
   passage.albedo_o = sheen_albedo(sheen, cos_o, sheen.here);
@@ -76,12 +87,47 @@ SheenPassage sheen_passage(Sheen sheen, float cos_o, float cos_i, bool is_transm
 }
 
 // Value of the lobe, without the colour, for a facet with normal h between directions on one side.
-float sheen_value(Sheen sheen, vec3 h, float cos_o, float cos_i, SheenPassage passage) {
+float sheen_value(const Sheen sheen, vec3 h, float cos_o, float cos_i, const SheenPassage passage) {
   float alpha = square(sheen.roughness);
   float sine_squared = max(dot(h.xy, h.xy), 1e-30);
   float density = (2.0 + 1.0 / alpha) * 0.5 * INV_PI * exp_accurate(log_accurate(sine_squared) * (0.5 / alpha));
   float shadowing = 1.0 + sheen_lambda(cos_o, alpha) + sheen_lambda(cos_i, alpha);
   return density / (shadowing * 4.0 * max(cos_o * cos_i, 1e-12) * max(1.0, max(passage.albedo_o, passage.albedo_i)));
+}
+
+// Puts a diffuse lobe and the interface's colour under sheen, and adds sheen's own value to the diffuse one. is_lit: the diffuse
+// lobe sees both directions.
+void put_under_sheen(const Sheen sheen, float cos_o, float cos_i, const Encounter facet, bool is_lit, inout vec3 diffuse, inout vec3 color) {
+  SheenPassage passage = sheen_passage(sheen, cos_o, cos_i, facet.is_transmitted);
+  diffuse *= passage.passed;
+  color *= passage.passed;
+  if (is_lit && sheen.here > 0.0) diffuse += sheen.color * sheen_value(sheen, facet.h, cos_o, cos_i, passage);
+}
+
+// What becomes of light from a direction with this cosine, on a side where the largest component of the sheen's colour is this.
+struct SheenLayers {
+  float above;   // luminance of what sheen reflects
+  float below;   // luminance of what the diffuse lobe under it reflects
+  float passed;  // factor on everything under the sheen
+};
+
+// diffuse: luminance of what the diffuse lobe would reflect without sheen.
+SheenLayers sheen_layers(const Sheen sheen, float cosine, float largest, float diffuse) {
+  float albedo = min(sheen_albedo(sheen, cosine, largest), 1.0);
+  float passed = 1.0 - largest * albedo;
+  return SheenLayers(albedo * dot(sheen.color, LUMINANCE), passed * max(diffuse, 0.0), passed);
+}
+
+// Share of sheen among the diffuse lobe's samples.
+float sheen_share(const SheenLayers layers) { return layers.above > 0.0 ? layers.above / (layers.above + layers.below) : 0.0; }
+
+// Density of a direction with cosine c among the diffuse lobe's samples, times pi, where sheen has this share of them.
+float density_with_sheen(float c, float share) { return mix(c, 0.5, share); }
+
+vec3 sample_with_sheen(vec2 u, float share) {
+  bool is_sheen = u.x < share;
+  u.x = min(is_sheen ? u.x / share : (u.x - share) / max(1.0 - share, 1e-7), ONE_MINUS_ULP);
+  return is_sheen ? sample_cone(u, 1.0) : sample_cosine_hemisphere(u);
 }
 
 #endif
