@@ -215,6 +215,9 @@ class Bsdf {
   glm::dvec3 transmittance(double exact, double thin_cosine, double eta) const;
   double reflection_probability(double cos_facet, double exact, double eta) const;
   double coat_reflectance(const glm::dvec3& w) const;  // on the side of w, at its cosine
+  /// Of the coat's lobe alone, deltas left out; the density that of its own samples.
+  double coat_value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
+  double coat_pdf(const glm::dvec3& wo, const glm::dvec3& wi) const;
   glm::dvec3 from_coat(const glm::dvec3& w, bool is_back) const;
   Basis coat_basis(bool is_back) const;
   glm::dvec3 base_value(const glm::dvec3& wo, const glm::dvec3& wi, TransportMode mode) const;
