@@ -47,10 +47,14 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
 /// their weights.
 Tally check_image(gpu::Device& device, const Subject& subject, const char* name, uint32_t techniques);
 
+/// Undecided: some difference remains, but not one that light which a set hardly ever meets could not make
+/// up.
+enum class Agreement { Agree, Undecided, Differ };
+
 /// What a statistical test of images found.
 struct ImageTest {
   std::string line;
-  bool is_passed;
+  Agreement agreement;
 };
 
 /// Student's t over `batches` >= 2 independent seeds of the device's image and of as many others: of the

@@ -67,13 +67,37 @@ std::string words_of(const image::Alarm& alarm) {
                      alarm.tile * alarm.y, alarm.channel, alarm.difference);
 }
 
+Agreement agreement_of(const image::Settled& settled) {
+  return settled.is_passed()      ? Agreement::Agree
+         : settled.is_undecided() ? Agreement::Undecided
+                                  : Agreement::Differ;
+}
+
+/// The greatest radiance of what is seen: no sample of a path that ends on a light is worth more.
+double brightest_light(const scene::Scene& scene) {
+  float brightest = 0;
+  const auto add = [&](const glm::vec3& radiance) {
+    brightest = std::max({brightest, radiance.r, radiance.g, radiance.b});
+  };
+  for (const interface::Light& light : scene.lights)
+    if (light.kind == interface::LIGHT_TRIANGLE) add(light.intensity);
+  if (scene.environment) {
+    if (!scene.environment->is_map()) add(scene.environment->parameters.radiance);
+    for (const glm::vec3& texel : scene.environment->texels) add(texel);
+  }
+  return brightest;
+}
+
 /// What is left of a test's alarms.
 std::string verdict(const image::TileTest& test, const image::Settled& settled) {
   if (test.is_passed()) return "agree";
   std::string text =
       fmt::format("{}, with up to {} times the samples {} of {} alarms confirmed, {} withdrawn, {} open",
-                  settled.is_passed() ? "agree" : "MISMATCH", settled.times, settled.confirmed.size(),
-                  test.alarms.size(), settled.withdrawn.size(), settled.open.size());
+                  settled.is_passed()      ? "agree"
+                  : settled.is_undecided() ? "undecided"
+                                           : "MISMATCH",
+                  settled.times, settled.confirmed.size(), test.alarms.size(), settled.withdrawn.size(),
+                  settled.open.size());
   constexpr size_t MOST = 3;
   for (const std::vector<image::Alarm>* alarms : {&settled.confirmed, &settled.open})
     for (size_t i = 0; i < std::min(alarms->size(), MOST); ++i) text += words_of((*alarms)[i]);
@@ -108,6 +132,8 @@ std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subj
     options.tile = tile;
     options.false_alarm_rate = FALSE_ALARM_RATE / 3;
     options.relative_tolerance = tolerance;
+    options.brightest = brightest_light(subject.prepared.scene);
+    options.samples = uint64_t{subject.plan.samples} * batches;
     const image::TileTest test = image::test_equal(first, second, options);
     const image::Settled settled = image::settle(test.alarms, batches_of, options);
     tests.push_back(
@@ -116,7 +142,7 @@ std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subj
              "standard error of {:.2g}  {}",
              name, test.worst_p, test.tests, test.bound, mean_there(first, tile, test),
              mean_there(second, tile, test), test.worst_difference, test.worst_error, verdict(test, settled)),
-         settled.is_passed()});
+         agreement_of(settled)});
   }
   return tests;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <memory>
@@ -62,7 +63,8 @@ void print_tally(const check::Tally& tally) {
   flush_stdout();
 }
 
-bool check_images(gpu::Device& device, const check::Subject& subject, const CheckOptions& options) {
+check::Agreement check_images(gpu::Device& device, const check::Subject& subject,
+                              const CheckOptions& options) {
   std::optional<uint32_t> other;
   if (!options.against.empty()) other = session::parse_technique_set(options.against);
   if (other == 0u)
@@ -70,14 +72,16 @@ bool check_images(gpu::Device& device, const check::Subject& subject, const Chec
   say("{} seeds of {} samples, {}x{} pixels, the device against {}\n", options.statistics,
       subject.plan.samples, subject.plan.width, subject.plan.height,
       other ? options.against : "the reference");
-  bool is_passed = true;
+  check::Agreement all = check::Agreement::Agree;
   for (const check::ImageTest& test :
        check_statistics(device, subject, options.statistics, other, options.tolerance)) {
     say("{}\n", test.line);
-    is_passed = test.is_passed && is_passed;
+    all = std::max(all, test.agreement);
   }
-  say("verdict: {}\n", is_passed ? "agree" : "DIFFER");
-  return is_passed;
+  say("verdict: {}\n", all == check::Agreement::Agree       ? "agree"
+                       : all == check::Agreement::Undecided ? "undecided"
+                                                            : "DIFFER");
+  return all;
 }
 
 void run_check(CLI::App& command, CheckOptions& options) {
@@ -117,7 +121,14 @@ void run_check(CLI::App& command, CheckOptions& options) {
     throw Error(ErrorCode::BadUsage, fmt::format("{}: {}", scene.path.string(), BLENDED));
   if (options.path.empty()) {
     if (options.statistics == 0) say("{}\n", check::Tally::header());
-    const bool is_passed = options.statistics > 0 ? check_images(device, subject, options)
+    const check::Agreement images =
+        options.statistics > 0 ? check_images(device, subject, options) : check::Agreement::Agree;
+    if (images == check::Agreement::Undecided)
+      throw Error(ErrorCode::Failed,
+                  fmt::format("{}: light that is met less than once in all these samples could make up the "
+                              "difference; take more",
+                              scene.path.string()));
+    const bool is_passed = options.statistics > 0 ? images == check::Agreement::Agree
                            : options.weights > 0  ? session::check_sorted_and_connected(
                                                         device, subject, options.weights, print_tally)
                                                  : session::check_everything(device, subject, print_tally);

@@ -119,14 +119,22 @@ namespace {
 
 enum class Finding { Confirmed, Withdrawn, Open };
 
+// Light of at most `brightest` that not one of n samples has met with the probability `level` is less than
+// brightest ln(1 / level) / n in the mean.
+double hidden_light(const Alarm& alarm, const ComparisonOptions& options, uint32_t times, double level) {
+  if (options.samples == 0) return 0;
+  const double pixels = static_cast<double>(alarm.tile) * alarm.tile;
+  return options.brightest * -std::log(level) / (static_cast<double>(options.samples) * times * pixels);
+}
+
 Finding finding(const Alarm& alarm, const std::vector<Image>& first, const std::vector<Image>& second,
-                double level, double relative_tolerance) {
+                double level, double allowed, double relative_tolerance) {
   const Estimate a = estimate(first, alarm.x, alarm.y, alarm.tile, alarm.channel);
   const Estimate b = estimate(second, alarm.x, alarm.y, alarm.tile, alarm.channel);
   const double error = std::sqrt(a.squared_error + b.squared_error);
   const double towards = (a.mean - b.mean) * (alarm.difference < 0 ? -1 : 1);
   const int degrees_of_freedom = static_cast<int>(first.size()) - 1;
-  if (p_value(towards - relative_tolerance * std::abs(b.mean), error, degrees_of_freedom) < level)
+  if (p_value(towards - allowed - relative_tolerance * std::abs(b.mean), error, degrees_of_freedom) < level)
     return Finding::Confirmed;
   const double missing = 0.5 * std::abs(alarm.difference) - towards;
   return p_value(missing, error, degrees_of_freedom) < level ? Finding::Withdrawn : Finding::Open;
@@ -144,7 +152,8 @@ Settled settle(std::vector<Alarm> alarms, const FreshBatches& fresh, const Compa
     settled.times *= 4;
     const auto [first, second] = fresh(settled.times);
     for (const Alarm& alarm : std::exchange(settled.open, {})) {
-      const Finding found = finding(alarm, first, second, level, options.relative_tolerance);
+      const double hidden = hidden_light(alarm, options, settled.times, level);
+      const Finding found = finding(alarm, first, second, level, hidden, options.relative_tolerance);
       (found == Finding::Confirmed   ? settled.confirmed
        : found == Finding::Withdrawn ? settled.withdrawn
                                      : settled.open)

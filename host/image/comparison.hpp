@@ -46,6 +46,10 @@ struct ComparisonOptions {
   double false_alarm_rate = 1e-4;  ///< of the whole comparison
   double relative_tolerance =
       1e-5;  ///< systematic difference that is not counted: float rounding along a path
+  /// The most that a sample can be, and how many samples of a pixel the batches of a set hold when they raise
+  /// an alarm: for settle(). 0: nothing is rare.
+  double brightest = 0;
+  uint64_t samples = 0;
 };
 
 /// Tests the batches against known values, one RGB triple per pixel. At least two batches.
@@ -74,13 +78,16 @@ struct Settled {
   uint32_t times = 1;       ///< how many samples the last round had, over those of the alarm
 
   bool is_passed() const { return confirmed.empty() && open.empty(); }
+  bool is_undecided() const { return confirmed.empty() && !open.empty(); }
 };
 
 /// Settles the alarms of test_equal() on fresh batches with 4, 16 and 64 times the samples. An alarm is
 /// confirmed if its tile differs again, to the same side; and withdrawn if the interval of confidence of its
-/// difference leaves out half of the difference that raised it. All tests of all rounds together raise a
-/// false alarm with `options.false_alarm_rate`, and withdraw a difference that is half of what was seen, or
-/// more, with that probability.
+/// difference leaves out half of the difference that raised it. A set that light reaches once in more samples
+/// than it has does not see that light, nor does its spread: what light of `options.brightest` can hide so is
+/// no difference that confirms. All tests of all rounds together raise a false alarm with
+/// `options.false_alarm_rate`, and withdraw a difference that is half of what was seen, or more, with that
+/// probability.
 Settled settle(std::vector<Alarm> alarms, const FreshBatches& fresh, const ComparisonOptions& options);
 
 }  // namespace regulus::image

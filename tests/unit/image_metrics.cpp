@@ -134,7 +134,8 @@ TEST(Comparison, RaisesFalseAlarmsAtItsRateAndSeesADifference) {
 /// What settles the alarms of two sets of 9 batches of a pixel, drawn with more samples each by `first` and
 /// `second`.
 template <typename First, typename Second>
-image::Settled settled(const image::Alarm& alarm, const First& first, const Second& second) {
+image::Settled settled(const image::Alarm& alarm, const First& first, const Second& second,
+                       const image::ComparisonOptions& options = {}) {
   const auto batches_of = [](const auto& draw, uint32_t samples) {
     std::vector<image::Image> images;
     for (int i = 0; i < 9; ++i)
@@ -145,11 +146,12 @@ image::Settled settled(const image::Alarm& alarm, const First& first, const Seco
       }));
     return images;
   };
-  return image::settle({alarm},
-                       [&](uint32_t times) {
-                         return std::pair(batches_of(first, 16 * times), batches_of(second, 16 * times));
-                       },
-                       {});
+  return image::settle(
+      {alarm},
+      [&](uint32_t times) {
+        return std::pair(batches_of(first, 16 * times), batches_of(second, 16 * times));
+      },
+      options);
 }
 
 // Rare bright values: batches without any beside batches with one differ by chance, and look sure of it. A
@@ -173,6 +175,23 @@ TEST(Comparison, MoreSamplesConfirmABiasAndWithdrawAFluke) {
   }
   std::printf("%d of 20 flukes withdrawn\n", withdrawn);
   EXPECT_EQ(withdrawn, 20);
+}
+
+// One set meets a light of 10,000 with every tenth sample by a weight of a thousandth, the other as it is,
+// once in 100,000 samples: it never does here, and looks sure. That is no difference, unless light can be
+// only a tenth as bright.
+TEST(Comparison, LightThatASetHasNotMetYetConfirmsNothing) {
+  Random random(8);
+  const auto often = [&] { return random.uniform() < 0.1 ? 1.0 : 0.01 * random.uniform(); };
+  const auto hardly = [&] { return 0.01 * random.uniform(); };
+  image::ComparisonOptions options;
+  options.samples = 9 * 16;
+  options.brightest = 1e4;
+  const image::Settled fluke = settled({1, 0, 0, 0, 0.1}, often, hardly, options);
+  EXPECT_TRUE(fluke.confirmed.empty());
+  EXPECT_TRUE(fluke.is_undecided());
+  options.brightest = 10;
+  EXPECT_EQ(settled({1, 0, 0, 0, 0.1}, often, hardly, options).confirmed.size(), 1);
 }
 
 // 0.9999 quantiles by the table: of one degree of freedom 1 / tan(pi p / 2), of two sqrt(2 / (p (2 - p)) -
