@@ -47,8 +47,7 @@ std::vector<Tally> check_paths(const Subject& subject, const render::Recording& 
 /// their weights.
 Tally check_image(gpu::Device& device, const Subject& subject, const char* name, uint32_t techniques);
 
-/// Undecided: some difference remains, but not one that light which a set hardly ever meets could not make
-/// up.
+/// Undecided: the most samples that were tried neither confirm nor withdraw a difference.
 enum class Agreement { Agree, Undecided, Differ };
 
 /// What a statistical test of images found.

@@ -124,10 +124,10 @@ void run_check(CLI::App& command, CheckOptions& options) {
     const check::Agreement images =
         options.statistics > 0 ? check_images(device, subject, options) : check::Agreement::Agree;
     if (images == check::Agreement::Undecided)
-      throw Error(ErrorCode::Failed,
-                  fmt::format("{}: light that is met less than once in all these samples could make up the "
-                              "difference; take more",
-                              scene.path.string()));
+      throw Error(
+          ErrorCode::Failed,
+          fmt::format("{}: so many samples neither confirm nor withdraw a difference, see above; take more",
+                      scene.path.string()));
     const bool is_passed = options.statistics > 0 ? images == check::Agreement::Agree
                            : options.weights > 0  ? session::check_sorted_and_connected(
                                                         device, subject, options.weights, print_tally)

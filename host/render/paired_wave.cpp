@@ -7,12 +7,18 @@ namespace regulus::render {
 using namespace interface;
 
 bool PairedWave::run(uint64_t first, uint64_t sample, uint32_t paths) {
-  // Waves differ by little: room is made before the light paths are walked, not after they have been in vain.
+  // Waves differ by little: room is made, or the wave is cut, before the light paths are walked in vain.
   const auto expected =
       paths_ == 0
           ? 0
-          : static_cast<uint64_t>(1.1 * static_cast<double>(vertices_) / static_cast<double>(paths_) * paths);
-  if (expected > wavefront_.buffers.sizes().light_vertices) make_room(0, expected);
+          : static_cast<uint64_t>(static_cast<double>(vertices_) / static_cast<double>(paths_) * paths);
+  if (expected > wavefront_.buffers.sizes().light_vertices) {
+    if (expected > most_vertices() && paths > 1) {
+      const uint32_t half = paths / 2;
+      return run(first, sample, half) && run(first + half, sample, paths - half);
+    }
+    make_room(expected);
+  }
   return run(first, sample, paths, false);
 }
 
@@ -28,7 +34,7 @@ bool PairedWave::run(uint64_t first, uint64_t sample, uint32_t paths, bool is_re
         const uint32_t half = paths / 2;
         return run(first, sample, half, true) && run(first + half, sample, paths - half, true);
       }
-      make_room(vertices, vertices + uint64_t{vertices} / 10);
+      make_room(vertices);
       if (!walk_light_paths(first, sample, paths, true)) return false;
     }
   }
@@ -44,11 +50,11 @@ bool PairedWave::walk_light_paths(uint64_t first, uint64_t sample, uint32_t path
   return wavefront_.core.run(Pass::Light, arguments);
 }
 
-// For `least` vertices, and for `wanted` if there is so much.
-void PairedWave::make_room(uint64_t least, uint64_t wanted) {
+// For `vertices`, and a tenth more if there is so much.
+void PairedWave::make_room(uint64_t vertices) {
   wavefront_.work.finish();
-  wavefront_.buffers.grow_light_vertices(wavefront_.device,
-                                         std::max(least, std::min(wanted, most_vertices())));
+  const uint64_t wanted = std::min(vertices + vertices / 10, most_vertices());
+  wavefront_.buffers.grow_light_vertices(wavefront_.device, std::max(vertices, wanted));
 }
 
 // What the device's limits and its memory have room for.

@@ -21,7 +21,7 @@ class PairedWave {
  private:
   bool run(uint64_t first, uint64_t sample, uint32_t paths, bool is_repeated);
   bool walk_light_paths(uint64_t first, uint64_t sample, uint32_t paths, bool is_repeated);
-  void make_room(uint64_t least, uint64_t wanted);
+  void make_room(uint64_t vertices);
   uint64_t most_vertices() const;
   uint32_t stored_vertices() const;
 

@@ -146,6 +146,8 @@ def load(path):
     def add_mesh(primitive, matrix):
         if primitive.get("mode", 4) != 4:
             raise ValueError(f"{path}: only triangles are converted")
+        if "material" not in primitive:
+            raise ValueError(f"{path}: a primitive has no material")
         attributes = primitive["attributes"]
         positions = reader.accessor(attributes["POSITION"]).astype(float) @ matrix[:3, :3].T + matrix[:3, 3]
         normals = uvs = None

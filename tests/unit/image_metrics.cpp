@@ -179,7 +179,7 @@ TEST(Comparison, MoreSamplesConfirmABiasAndWithdrawAFluke) {
 
 // One set meets a light of 10,000 with every tenth sample by a weight of a thousandth, the other as it is,
 // once in 100,000 samples: it never does here, and looks sure. That is no difference, unless light can be
-// only a tenth as bright.
+// no brighter than 10.
 TEST(Comparison, LightThatASetHasNotMetYetConfirmsNothing) {
   Random random(8);
   const auto often = [&] { return random.uniform() < 0.1 ? 1.0 : 0.01 * random.uniform(); };
