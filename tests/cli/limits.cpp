@@ -74,12 +74,12 @@ TEST_F(Limits, HoldForRayQueries) {
   expect_same({scene("cornell"), "-i", "bpm", "--size", "24x24", "-s", "2", "--rays", "hardware"}, {});
 }
 
-// Light vertices of 65,536 paths of 80 edges take 316 MiB at once (64 bytes each). On a device that claims
-// 256, the least that Regulus takes, the wave is cut. A device that then gives less than it has claimed stops
-// the process, which says that the layer sees the allocations.
+// Candidates of 65,536 paths with a light sample and 120 connections take 333 MiB at once (44 bytes each). On
+// a device that claims 256, the least that Regulus takes, the wave is cut. A device that then gives less than
+// it has claimed stops the process, which says that the layer sees the allocations.
 TEST_F(Limits, WavesKeepToTheAllocation) {
-  const Arguments what = {scene("cornell"), "-i",    "bpt",         "--size", "128x128", "-s", "4",
-                          "--wave",         "65536", "--max-depth", "80"};
+  const Arguments what = {scene("cornell"), "-i",    "bpt",           "--size",    "256x256",     "-s", "1",
+                          "--wave",         "65536", "--connections", "cache:120", "--max-depth", "2"};
   expect_same(what, {{"REGULUS_LIMITS_ALLOCATION", "256"}});
   const Finished lied =
       render("lied.exr", what,
