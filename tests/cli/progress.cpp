@@ -138,7 +138,7 @@ TEST_F(Progress, JsonIsAnObjectALine) {
   const json done = json_lines(finished.out).back();
   EXPECT_EQ(done.at("files"), json::array({file("a.exr")}));
   EXPECT_GE(done.at("samples"), samples);
-  EXPECT_GE(done.at("render_seconds"), 2.5);
+  EXPECT_GT(done.at("render_seconds"), 0);
   EXPECT_GT(done.at("estimated_error"), 0);
 }
 
