@@ -1,6 +1,7 @@
 """python cycles_peer.py SCENE SIDE SAMPLES SEED OUT.npy: a square picture by Cycles, which imports the glTF file itself.
 
-Its settings are the defaults, but for adaptive sampling and the denoiser, which are off: samples are counted here.
+Its settings are the defaults, but for adaptive sampling and the denoiser, which are off: samples are counted here. Lights
+keep the file's numbers (lighting mode COMPAT): by default the importer divides those of point lights and suns by 683.
 """
 import os
 import sys
@@ -13,10 +14,10 @@ import numpy as np
 def main():
     path, side, samples, seed, out = sys.argv[1], *map(int, sys.argv[2:5]), sys.argv[5]
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    bpy.ops.import_scene.gltf(filepath=os.path.abspath(path))
+    bpy.ops.import_scene.gltf(filepath=os.path.abspath(path), export_import_convert_lighting_mode="COMPAT")
     scene = bpy.context.scene
     scene.camera = next(thing for thing in scene.objects if thing.type == "CAMERA")
-    scene.camera.data.sensor_fit = "VERTICAL"
+    scene.camera.data.sensor_fit = "AUTO"  # the larger of the two angles is that of the square film
     scene.render.engine = "CYCLES"
     scene.render.resolution_x = scene.render.resolution_y = side
     scene.render.resolution_percentage = 100

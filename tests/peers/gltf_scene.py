@@ -57,7 +57,7 @@ class Scene:
     materials: list = field(default_factory=list)
     lights: list = field(default_factory=list)
     camera_to_world: np.ndarray = None
-    yfov: float = 0.0       # radians
+    fov: float = 0.0        # radians, of a square film (fov_of_square)
 
 
 class Reader:
@@ -137,6 +137,11 @@ def matrix_of(node):
     return matrix
 
 
+def fov_of_square(perspective):
+    """The angle in radians, up and across, at which a square film shows the whole frame: glTF 2.0, 3.10.3, lets none be cut."""
+    return 2 * np.arctan(np.tan(perspective["yfov"] / 2) * max(perspective.get("aspectRatio", 1.0), 1.0))
+
+
 def load(path):
     reader, scene = Reader(path), Scene()
     root = reader.root
@@ -170,7 +175,7 @@ def load(path):
             for primitive in root["meshes"][node["mesh"]]["primitives"]:
                 add_mesh(primitive, matrix)
         if "camera" in node and scene.camera_to_world is None:
-            scene.camera_to_world, scene.yfov = matrix, root["cameras"][node["camera"]]["perspective"]["yfov"]
+            scene.camera_to_world, scene.fov = matrix, fov_of_square(root["cameras"][node["camera"]]["perspective"])
         number = node.get("extensions", {}).get("KHR_lights_punctual", {}).get("light")
         if number is not None:
             light = lights[number]

@@ -79,7 +79,7 @@ def main():
     gltf = gltf_scene.load(path)
     origin = gltf.camera_to_world[:3, 3]
     # A picture's shorter side has the field of view.
-    lines = ["scene.camera.type = perspective", f"scene.camera.fieldofview = {np.degrees(gltf.yfov)}",
+    lines = ["scene.camera.type = perspective", f"scene.camera.fieldofview = {np.degrees(gltf.fov)}",
              f"scene.camera.lookat.orig = {words(origin)}",
              f"scene.camera.lookat.target = {words(origin - gltf.camera_to_world[:3, 2])}",
              f"scene.camera.up = {words(gltf.camera_to_world[:3, 1])}"]

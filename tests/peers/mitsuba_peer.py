@@ -86,7 +86,7 @@ def main():
         bsdfs = [mi.load_dict(bsdf_of(material, folder)) for material in scene.materials]
         has_media = any(m.is_solid and m.attenuation.any() for m in scene.materials)
         picture = {"type": "scene", "integrator": {"type": "volpath" if has_media else "path"},
-                   "sensor": {"type": "perspective", "fov": float(np.degrees(scene.yfov)), "fov_axis": "y",
+                   "sensor": {"type": "perspective", "fov": float(np.degrees(scene.fov)), "fov_axis": "y",
                               "to_world": mi.ScalarTransform4f(camera),
                               "film": {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}}}}
         for i, mesh in enumerate(scene.meshes):
