@@ -138,7 +138,7 @@ TEST_F(Progress, JsonIsAnObjectALine) {
   const json done = json_lines(finished.out).back();
   EXPECT_EQ(done.at("files"), json::array({file("a.exr")}));
   EXPECT_GE(done.at("samples"), samples);
-  EXPECT_GT(done.at("render_seconds"), 0);
+  EXPECT_GE(done.at("render_seconds"), 1.25);  // the limit of 2.5 s begins a little earlier
   EXPECT_GT(done.at("estimated_error"), 0);
 }
 

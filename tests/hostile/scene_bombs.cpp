@@ -11,9 +11,9 @@
 namespace regulus::scene::test {
 namespace {
 
-// Processor time of one load. What it is to find is work that grows with the square of a file, which takes
-// minutes. A machine whose cores are shared may take twice the time of an idle one (1.2 s at most), and
-// sanitizers ten times that.
+// Processor time of one load. It is to find work that grows with the square of a file: 200,000 nodes would
+// take 10^10 steps. A machine whose cores are shared may take twice the time of an idle one (1.2 s at most),
+// and sanitizers ten times that.
 constexpr double MAX_SECONDS = ::regulus::test::IS_SANITIZED ? 50 : 5;
 
 std::string timed_error(const std::function<void()>& action) {

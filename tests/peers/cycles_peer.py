@@ -10,6 +10,8 @@ import tempfile
 import bpy
 import numpy as np
 
+import gltf_scene
+
 
 def main():
     path, side, samples, seed, out = sys.argv[1], *map(int, sys.argv[2:5]), sys.argv[5]
@@ -17,7 +19,8 @@ def main():
     bpy.ops.import_scene.gltf(filepath=os.path.abspath(path), export_import_convert_lighting_mode="COMPAT")
     scene = bpy.context.scene
     scene.camera = next(thing for thing in scene.objects if thing.type == "CAMERA")
-    scene.camera.data.sensor_fit = "AUTO"  # the larger of the two angles is that of the square film
+    scene.camera.data.sensor_fit = "VERTICAL"
+    scene.camera.data.angle_y = gltf_scene.fov_of_square(gltf_scene.parsed(path)[0]["cameras"][0]["perspective"])
     scene.render.engine = "CYCLES"
     scene.render.resolution_x = scene.render.resolution_y = side
     scene.render.resolution_percentage = 100

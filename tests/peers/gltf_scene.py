@@ -60,18 +60,19 @@ class Scene:
     fov: float = 0.0        # radians, of a square film (fov_of_square)
 
 
+def parsed(path):
+    """A file's JSON, and what a .glb has behind it."""
+    data = pathlib.Path(path).read_bytes()
+    if data[:4] != b"glTF":
+        return json.loads(data), b""
+    length = struct.unpack_from("<I", data, 12)[0]
+    return json.loads(data[20:20 + length]), data[28 + length:]
+
+
 class Reader:
     def __init__(self, path):
         self.folder = pathlib.Path(path).parent
-        data = pathlib.Path(path).read_bytes()
-        self.chunk = b""
-        if data[:4] == b"glTF":
-            length = struct.unpack_from("<I", data, 12)[0]
-            self.root = json.loads(data[20:20 + length])
-            if len(data) > 20 + length:
-                self.chunk = data[28 + length:]
-        else:
-            self.root = json.loads(data)
+        self.root, self.chunk = parsed(path)
         unknown = set(self.root.get("extensionsUsed", [])) - KNOWN_EXTENSIONS
         if unknown:
             raise ValueError(f"{path}: the peers' converters do not know {', '.join(sorted(unknown))}")
