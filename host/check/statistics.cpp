@@ -134,8 +134,10 @@ std::vector<ImageTest> check_statistics(gpu::Device& device, const Subject& subj
     options.false_alarm_rate = FALSE_ALARM_RATE / 3;
     options.relative_tolerance = tolerance;
     // The reference meets what the device meets, as often.
-    if (other) options.brightest = brightest_light(subject.prepared.scene);
-    options.samples = uint64_t{subject.plan.samples} * batches;
+    if (other) {
+      options.samples = uint64_t{subject.plan.samples} * batches;
+      options.brightest = brightest_light(subject.prepared.scene);
+    }
     const image::TileTest test = image::test_equal(first, second, options);
     const image::Settled settled = image::settle(test.alarms, batches_of, options);
     tests.push_back(

@@ -119,12 +119,26 @@ namespace {
 
 enum class Finding { Confirmed, Withdrawn, Open };
 
-// Light of at most `brightest` that not one of n samples has met with the probability `level` is less than
-// brightest ln(1 / level) / n in the mean.
-double hidden_light(const Alarm& alarm, const ComparisonOptions& options, uint32_t times, double level) {
-  if (options.samples == 0) return 0;
-  const double pixels = static_cast<double>(alarm.tile) * alarm.tile;
-  return options.brightest * -std::log(level) / (static_cast<double>(options.samples) * times * pixels);
+/// A bound of the greatest sample in batches of so many samples a pixel: had all others of its batch been
+/// worth the pixel's mean, it would be what the batch has above it.
+double brightest_met(const std::vector<Image>& batches, double samples_of_a_batch) {
+  double brightest = 0;
+  for (size_t i = 0; i < batches[0].rgb.size(); ++i) {
+    double sum = 0, largest = 0;
+    for (const Image& batch : batches) {
+      sum += batch.rgb[i];
+      largest = std::max<double>(largest, batch.rgb[i]);
+    }
+    const double mean = sum / static_cast<double>(batches.size());
+    brightest = std::max(brightest, mean + (largest - mean) * samples_of_a_batch);
+  }
+  return brightest;
+}
+
+/// The most that a pixel can hold of light that is at most `brightest`, and that not one of `samples` has met
+/// with the probability `level`.
+double hidden_light(double brightest, double samples, double level) {
+  return brightest * -std::log(level) / samples;
 }
 
 Finding finding(const Alarm& alarm, const std::vector<Image>& first, const std::vector<Image>& second,
@@ -151,8 +165,13 @@ Settled settle(std::vector<Alarm> alarms, const FreshBatches& fresh, const Compa
   for (uint32_t round = 0; round < ROUNDS && !settled.open.empty(); ++round) {
     settled.times *= 4;
     const auto [first, second] = fresh(settled.times);
+    const double samples = static_cast<double>(options.samples) * settled.times;
+    const double samples_of_a_batch = samples / static_cast<double>(first.size());
+    const double brightest = std::max({options.brightest, brightest_met(first, samples_of_a_batch),
+                                       brightest_met(second, samples_of_a_batch)});
     for (const Alarm& alarm : std::exchange(settled.open, {})) {
-      const double hidden = hidden_light(alarm, options, settled.times, level);
+      const double pixels = static_cast<double>(alarm.tile) * alarm.tile;
+      const double hidden = options.samples == 0 ? 0 : hidden_light(brightest, samples * pixels, level);
       const Finding found = finding(alarm, first, second, level, hidden, options.relative_tolerance);
       (found == Finding::Confirmed   ? settled.confirmed
        : found == Finding::Withdrawn ? settled.withdrawn

@@ -46,10 +46,10 @@ struct ComparisonOptions {
   double false_alarm_rate = 1e-4;  ///< of the whole comparison
   double relative_tolerance =
       1e-5;  ///< systematic difference that is not counted: float rounding along a path
-  /// The most that a sample can be, and how many samples of a pixel the batches of a set hold when they raise
-  /// an alarm: for settle(). 0: nothing is rare.
-  double brightest = 0;
+  /// How many samples of a pixel the batches of a set hold when they raise an alarm: for settle(). 0: both
+  /// sets meet the same light as often, so that none can be hidden from one of them.
   uint64_t samples = 0;
+  double brightest = 0;  ///< the most that a sample is known to be, whether or not the batches met it
 };
 
 /// Tests the batches against known values, one RGB triple per pixel. At least two batches.
@@ -84,10 +84,10 @@ struct Settled {
 /// Settles the alarms of test_equal() on fresh batches with 4, 16 and 64 times the samples. An alarm is
 /// confirmed if its tile differs again, to the same side; and withdrawn if the interval of confidence of its
 /// difference leaves out half of the difference that raised it. A set that light reaches once in more samples
-/// than it has does not see that light, nor does its spread: what light of `options.brightest` can hide so is
-/// no difference that confirms. All tests of all rounds together raise a false alarm with
-/// `options.false_alarm_rate`, and withdraw a difference that is half of what was seen, or more, with that
-/// probability.
+/// than it has does not see that light, nor does its spread. What can hide so, if it is as bright as the
+/// brightest sample that either set met anywhere in the picture, or as `options.brightest`, is no difference
+/// that confirms. All tests of all rounds together raise a false alarm with `options.false_alarm_rate`, and
+/// withdraw a difference that is half of what was seen, or more, with that probability.
 Settled settle(std::vector<Alarm> alarms, const FreshBatches& fresh, const ComparisonOptions& options);
 
 }  // namespace regulus::image

@@ -194,6 +194,38 @@ TEST(Comparison, LightThatASetHasNotMetYetConfirmsNothing) {
   EXPECT_EQ(settled({1, 0, 0, 0, 0.1}, often, hardly, options).confirmed.size(), 1);
 }
 
+// Of a sun, or of merges, nobody knows how bright a sample can be. Here the second set meets with one of
+// 10,000 samples what the first one meets as a tenth of it each time, and never in the first pixel; but in
+// others, which says how bright what it lacks there may be.
+TEST(Comparison, LightMetElsewhereCanHideInAPixelThatNeverMetIt) {
+  constexpr uint32_t PIXELS = 64, SAMPLES = 16;
+  Random random(9);
+  const auto batches_of = [&](uint32_t samples, double value, double probability, double value_of_the_first) {
+    std::vector<image::Image> images;
+    for (int i = 0; i < 9; ++i)
+      images.push_back(make_image(PIXELS, 1, [&](size_t index) {
+        if (index < 3) return static_cast<float>(value_of_the_first + 1e-3 * random.uniform());
+        double sum = 0;
+        for (uint32_t k = 0; k < samples; ++k) sum += random.uniform() < probability ? value / samples : 0;
+        return static_cast<float>(sum);
+      }));
+    return images;
+  };
+  const auto settled_against = [&](double value, double probability) {
+    image::ComparisonOptions options;
+    options.samples = 9 * SAMPLES;
+    return image::settle(
+        {{1, 0, 0, 0, 0.1}},
+        [&](uint32_t times) {
+          return std::pair(batches_of(SAMPLES * times, 0.1, 1, 0.1),
+                           batches_of(SAMPLES * times, value, probability, 0));
+        },
+        options);
+  };
+  EXPECT_TRUE(settled_against(1e3, 1e-4).is_undecided());
+  EXPECT_EQ(settled_against(0.2, 0.5).confirmed.size(), 1);
+}
+
 // 0.9999 quantiles by the table: of one degree of freedom 1 / tan(pi p / 2), of two sqrt(2 / (p (2 - p)) -
 // 2).
 TEST(Comparison, FewBatchesRaiseNoAlarm) {
