@@ -166,6 +166,13 @@ ErrorRun measure_error(gpu::Device& device, const ErrorSubject& subject,
   ErrorRun run;
   run.points = mean_curve(trials);
   run.relmse = run.points.back().relmse;
+  for (const Trial& trial : trials) {
+    const double share = 1.0 / static_cast<double>(trials.size());
+    const image::Metrics metrics = image::compare(trial.image, reference);
+    run.mse += share * metrics.mse;
+    run.trimmed_relmse += share * metrics.trimmed_relmse;
+    run.flip += share * image::flip(trial.image, reference);
+  }
   run.variance = spread.relative_variance;
   run.squared_bias =
       image::compare(spread.mean, reference).relmse - run.variance / static_cast<double>(budget.seeds);

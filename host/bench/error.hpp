@@ -29,8 +29,9 @@ struct ErrorRun {
   std::string options;  ///< of `regulus render`
   /// At each doubling of the samples and at the end: means over the seeds that got there.
   std::vector<ErrorPoint> points;
-  double relmse = 0;    ///< at the end of the time
-  double variance = 0;  ///< share of relmse that seeds do not agree on
+  double relmse = 0;                             ///< at the end of the time
+  double mse = 0, trimmed_relmse = 0, flip = 0;  ///< likewise: image::Metrics, image::flip()
+  double variance = 0;                           ///< share of relmse that seeds do not agree on
   /// relmse of the mean over seeds, less what variance leaves in it: squared bias. Not below 0 but for noise.
   double squared_bias = 0;
   double mean_ratio = 0;  ///< mean of all pixels and channels over the reference's

@@ -16,7 +16,10 @@ nlohmann::json run_json(const ErrorRun& run) {
                       {"relmse", number(point.relmse)}});
   return {{"name", run.name},
           {"options", run.options},
+          {"mse", number(run.mse)},
           {"relmse", number(run.relmse)},
+          {"trimmed_relmse", number(run.trimmed_relmse)},
+          {"flip", number(run.flip)},
           {"variance", number(run.variance)},
           {"squared_bias", number(run.squared_bias)},
           {"mean_ratio", number(run.mean_ratio)},

@@ -71,8 +71,10 @@ fs::path reference_file(const std::string& scene, const std::string& folder) {
 
 void print_run(const bench::ErrorRun& run) {
   const bench::ErrorPoint& last = run.points.back();
-  say("  {:<28} {:>8.1f} {:>8.2f} {:>8.2f} {:>10.3g} {:>10.3g} {:>10.3g} {:>8.4f}\n", run.name, last.samples,
-      last.seconds, last.cpu_seconds, run.relmse, run.variance, run.squared_bias, run.mean_ratio);
+  say("  {:<28} {:>8.1f} {:>8.2f} {:>8.2f} {:>10.3g} {:>10.3g} {:>10.3g} {:>10.3g} {:>10.3g} {:>10.3g} "
+      "{:>8.4f}\n",
+      run.name, last.samples, last.seconds, last.cpu_seconds, run.mse, run.relmse, run.trimmed_relmse,
+      run.flip, run.variance, run.squared_bias, run.mean_ratio);
   flush_stdout();
 }
 
@@ -112,8 +114,8 @@ bench::Section measure_section(gpu::Device& device, const BenchComparison& compa
   const PreparedScene prepared = prepare(scene::load(comparison.scene, {}));
   say("{} ({}), {}x{}; expected relmse of the reference {:.3g}\n", section.title, section.scene, whole.width,
       whole.height, section.reference_relmse);
-  say("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>8}\n", "", "samples", "seconds", "CPU s", "relmse",
-      "variance", "bias^2", "mean");
+  say("  {:<28} {:>8} {:>8} {:>8} {:>10} {:>10} {:>10} {:>10} {:>10} {:>10} {:>8}\n", "", "samples",
+      "seconds", "CPU s", "mse", "relmse", "trimmed", "flip", "variance", "bias^2", "mean");
   const std::string size = fmt::format("{}x{}", whole.width, whole.height);
   const bench::ErrorSubject subject{prepared, whole, region};
   section.reference = bench::measured_reference(subject);

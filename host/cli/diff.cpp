@@ -27,6 +27,7 @@ struct DiffOptions {
 nlohmann::ordered_json to_json(const image::Metrics& metrics, double flip) {
   return {{"mse", metrics.mse},
           {"relmse", metrics.relmse},
+          {"trimmed_relmse", metrics.trimmed_relmse},
           {"mrse", metrics.mrse},
           {"mae", metrics.mae},
           {"psnr", metrics.psnr},
@@ -37,8 +38,8 @@ nlohmann::ordered_json to_json(const image::Metrics& metrics, double flip) {
 }
 
 void print(const image::Metrics& metrics, double flip) {
-  say("mse             {:.6g}\nrelmse          {:.6g}\nmrse            {:.6g}\n", metrics.mse, metrics.relmse,
-      metrics.mrse);
+  say("mse             {:.6g}\nrelmse          {:.6g}\ntrimmed relmse  {:.6g}\nmrse            {:.6g}\n",
+      metrics.mse, metrics.relmse, metrics.trimmed_relmse, metrics.mrse);
   say("mae             {:.6g}\npsnr            {:.2f} dB\nflip            {:.6g}\n", metrics.mae,
       metrics.psnr, flip);
   const auto print_mean = [](const char* name, const std::array<double, 3>& mean) {

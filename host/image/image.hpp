@@ -91,15 +91,19 @@ void write_png(const std::filesystem::path& path, const Image& image, float expo
 struct Metrics {
   double mse = 0;     ///< mean over pixels and channels of (a - r)^2
   double relmse = 0;  ///< mean of (a - r)^2 / (r^2 + 0.01)
-  double mrse = 0;    ///< mean relative squared error, mean of (a - r)^2 / (mean(r_pixel)^2 + 0.01)
-  double mae = 0;     ///< mean absolute error
-  double psnr = 0;    ///< dB, peak = largest reference value; infinite for equal images
+  /// relmse of the pixels without TRIMMED_SHARE of them, those that are worst: a few fireflies decide relmse.
+  double trimmed_relmse = 0;
+  double mrse = 0;  ///< mean relative squared error, mean of (a - r)^2 / (mean(r_pixel)^2 + 0.01)
+  double mae = 0;   ///< mean absolute error
+  double psnr = 0;  ///< dB, peak = largest reference value; infinite for equal images
   std::array<double, 3> mean{}, reference_mean{};  ///< over the values that entered the metrics
   uint64_t non_finite = 0;  ///< values of either image that are NaN or infinite (left out of the metrics)
 };
 
 /// Added to squared reference values in relative errors, so that black pixels do not divide by zero.
 constexpr double RELATIVE_EPSILON = 0.01;
+/// Of the pixels, rounded down.
+constexpr double TRIMMED_SHARE = 0.001;
 
 /// @throws regulus::Error (BadFile) if the sizes differ.
 Metrics compare(const Image& image, const Image& reference);

@@ -48,7 +48,7 @@ def errors(picture, reference):
     """Mean squared error, and trimmed relative mean squared error."""
     squares = (picture - reference) ** 2
     relative = np.sort((squares / (reference ** 2 + 0.01)).mean(axis=2).ravel())
-    return squares.mean(), relative[:max(1, int(len(relative) * (1 - TRIMMED)))].mean()
+    return squares.mean(), relative[:len(relative) - int(TRIMMED * len(relative))].mean()
 
 
 def cost(peer, scene, options):

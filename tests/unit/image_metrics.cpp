@@ -34,6 +34,18 @@ TEST(Metrics, AgreeWithHandComputedValues) {
   EXPECT_EQ(metrics.mean, (std::array<double, 3>{0.5, 1, 2.25}));
   EXPECT_EQ(metrics.reference_mean, (std::array<double, 3>{0.5, 1, 0.75}));
   EXPECT_EQ(metrics.non_finite, 0u);
+  EXPECT_NEAR(metrics.trimmed_relmse, metrics.relmse, TOLERANCE) << "two pixels have no worst thousandth";
+}
+
+// Of 2000 pixels the two worst are left out, and not the third one.
+TEST(Metrics, TrimmedErrorLeavesOutTheWorstThousandth) {
+  const image::Image reference = make_image(50, 40, [](size_t) { return 0.0f; });
+  const image::Metrics metrics = image::compare(
+      make_image(50, 40, [](size_t i) { return i / 3 % 1000 == 7 ? 1e6f
+                                               : i / 3 == 8      ? 1.0f
+                                                                 : 0.1f; }),
+      reference);
+  EXPECT_NEAR(metrics.trimmed_relmse, (100 + 1997 * double{0.1f} * 0.1f / 0.01) / 1998, 1e-5);
 }
 
 TEST(Metrics, EqualImagesHaveNoErrorAndInfinitePsnr) {

@@ -7,13 +7,13 @@ const plot = (section, axis) => logLogPlot(section.runs.map((run, i) => ({
 })), AXES[axis], "relmse");
 
 function table(section) {
-  const head = element("tr", {}, ...["", "options", "samples", "seconds", "CPU seconds", "relmse", "variance", "bias²", "mean / reference"]
+  const head = element("tr", {}, ...["", "options", "samples", "seconds", "CPU seconds", "MSE", "relmse", "trimmed relmse", "FLIP", "variance", "bias²", "mean / reference"]
     .map(text => element("th", { class: text }, text)));
   const rows = section.runs.map((run, i) => {
     const last = run.points[run.points.length - 1];
     const name = element("td", {}, element("span", { style: `color:${COLORS[i % COLORS.length]}` }, "● "), run.name);
     return element("tr", {}, name, element("td", { class: "options" }, ...run.options.split(/ (?=-)/).flatMap(option => [element("span", { class: "option" }, option), " "])),
-      ...[last.samples, last.seconds, last.cpu_seconds, run.relmse, run.variance, run.squared_bias].map(v => element("td", {}, number(v))),
+      ...[last.samples, last.seconds, last.cpu_seconds, run.mse, run.relmse, run.trimmed_relmse, run.flip, run.variance, run.squared_bias].map(v => element("td", {}, number(v))),
       element("td", {}, run.mean_ratio === null ? "–" : run.mean_ratio.toFixed(4)));
   });
   return element("table", {}, head, ...rows);
