@@ -89,7 +89,7 @@ def lamps(scene):
 
 
 def build():
-    scene = Gltf("Lamps of frosted and clear glass in a closed room", (768, 512), {"integrator": "vcm", "spp": 1024, "max-depth": 16})
+    scene = Gltf("Lamps of frosted and clear glass in a closed room", (768, 512), {"spp": 1024, "max-depth": 16})
     room(scene)
     furniture(scene)
     objects(scene)

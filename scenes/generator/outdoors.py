@@ -36,7 +36,7 @@ def room():
 
 
 def room_under_dome():
-    scene = Gltf("A room with a window under a sky dome", (384, 256), {"integrator": "vcm", "spp": 256, "max-depth": 8})
+    scene = Gltf("A room with a window under a sky dome", (384, 256), {"spp": 256, "max-depth": 8})
     scene.add_surface("room", room(), scene.diffuse("plaster", (0.75, 0.72, 0.66)))
     scene.add_surface("table", boxes(((-0.9, 0.7, -1.2), (0.7, 0.75, -0.2)), ((-0.15, 0.0, -0.75), (-0.05, 0.7, -0.65))),
                       scene.diffuse("wood", (0.45, 0.28, 0.16)))
@@ -51,7 +51,7 @@ def room_under_dome():
 
 
 def still_life_on_plain():
-    scene = Gltf("A still life on a plain of a kilometre", (384, 256), {"integrator": "vcm", "spp": 256, "max-depth": 8})
+    scene = Gltf("A still life on a plain of a kilometre", (384, 256), {"spp": 256, "max-depth": 8})
     scene.add_surface("plain", quad((0.0, 0.0, 0.0), (0.0, 0.0, PLAIN), (PLAIN, 0.0, 0.0)), scene.diffuse("sand", (0.5, 0.45, 0.38)))
     scene.add_surface("crate", boxes(((-0.32, 0.001, -0.2), (-0.02, 0.301, 0.1))), scene.diffuse("card", (0.6, 0.4, 0.22)))
     ball = scene.geometry(sphere(16))

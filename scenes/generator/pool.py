@@ -124,7 +124,7 @@ def sky(scene):
 
 
 def build():
-    scene = Gltf("A tiled pool under a small sun", (768, 512), {"integrator": "vcm", "spp": 512, "max-depth": 12, "merge-radius": "0.02",
+    scene = Gltf("A tiled pool under a small sun", (768, 512), {"spp": 512, "max-depth": 12, "merge-radius": "0.02",
                                                    "exposure": -0.7})
     pool_walls(scene)
     scene.add_surface("water", water(), scene.glass("water", 1.33, attenuation=WATER_TINT))

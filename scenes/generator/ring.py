@@ -34,7 +34,7 @@ def wire(radius, thickness):
 
 
 def build():
-    scene = Gltf("Caustics of two metal rings", (768, 512), {"integrator": "vcm", "spp": 512, "max-depth": 10, "merge-radius": "0.0005",
+    scene = Gltf("Caustics of two metal rings", (768, 512), {"spp": 512, "max-depth": 10, "merge-radius": "0.0005",
                                               "exposure": -0.5})
     scene.add_surface("table", quad((0.0, 0.0, 0.0), (0.0, 0.0, 1.2), (1.2, 0.0, 0.0)), scene.diffuse("table", TABLE))
     scene.add_surface("gold ring", band(0.0090, 0.0016, 0.0055), scene.metal("gold", GOLD, 0.0))

@@ -71,7 +71,7 @@ VARIANTS = {
 def build():
     scenes = {}
     for name, (title, add_spheres, add_light) in VARIANTS.items():
-        scene = Gltf(f"SmallVCM's Cornell box: glossy floor, {title}", (512, 512), {"integrator": "vcm", "spp": 256, "max-depth": 10})
+        scene = Gltf(f"SmallVCM's Cornell box: glossy floor, {title}", (512, 512), {"spp": 256, "max-depth": 10})
         box(scene)
         add_spheres(scene)
         add_light(scene)

@@ -54,7 +54,7 @@ def town(scene):
 
 
 def build():
-    scene = Gltf("A yard in a wide street scene", (384, 256), {"integrator": "vcm", "spp": 256, "max-depth": 8})
+    scene = Gltf("A yard in a wide street scene", (384, 256), {"spp": 256, "max-depth": 8})
     yard(scene)
     things(scene)
     town(scene)

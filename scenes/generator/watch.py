@@ -212,7 +212,7 @@ def surroundings(scene):
 
 
 def build():
-    scene = Gltf("A wristwatch under a domed crystal", (768, 768), {"integrator": "vcm", "spp": 1024, "max-depth": 12, "merge-radius": "0.0008"})
+    scene = Gltf("A wristwatch under a domed crystal", (768, 768), {"spp": 1024, "max-depth": 12, "merge-radius": "0.0008"})
     case(scene)
     dial(scene)
     hands(scene)
