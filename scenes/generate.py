@@ -6,11 +6,12 @@ import pathlib
 import sys
 
 sys.dont_write_bytecode = True  # leaves no cache in the source tree
-from generator import ajar, bazaar, big, cornell, furnace, gallery, lamp, mirrors, outdoors, plates, pool, ring, smallvcm, street, watch  # noqa: E402
+from generator import ajar, bazaar, big, cornell, furnace, gallery, lamp, mirrors, outdoors, plates, pool, ring, smallvcm, street, sunlit_room, watch  # noqa: E402
 
 SCENES = {"cornell": cornell, "plates": plates, "mirrors": mirrors, "furnace": furnace,
           "watch": watch, "ring": ring, "pool": pool, "lamp": lamp, "smallvcm": smallvcm, "gallery": gallery,
-          "outdoors": outdoors, "street": street, "ajar": ajar}
+          "outdoors": outdoors, "street": street, "ajar": ajar,
+          "sunlit-room": sunlit_room}
 
 
 def main():

@@ -18,6 +18,14 @@ constexpr uint32_t TRAINING_SAMPLES = 8;
 // Light paths that start by power have a second moment that is larger by less than this: other things then
 // decide about the error, and light that the training met too rarely could make it worse.
 constexpr double LEAST_GAIN = 4;
+// `auto` looks at an eighth of the paths first: so few tell a gain that lies below what all would.
+constexpr double GLIMPSE_PIXELS = 2048;
+constexpr uint32_t GLIMPSE_SAMPLES = 2;
+constexpr double LEAST_GLIMPSED_GAIN = 2.5;
+
+std::string expected(double gain) {
+  return fmt::format("a training expects {:.2g} times the use of a light path", gain);
+}
 
 }  // namespace
 
@@ -42,11 +50,16 @@ reference::Settings training_settings(const RenderSettings& settings) {
 LightGuideChoice choose_light_guide(const PreparedScene& prepared, const RenderSettings& settings) {
   const reference::World world(prepared, settings.ndf, settings.shadowing, settings.light_sampling,
                                settings.has_energy_compensation);
+  const bool is_open = settings.light_guide == LIGHT_GUIDE_AUTO;
+  if (is_open) {
+    const reference::Settings glimpse = settings_of_few_pixels(settings, GLIMPSE_PIXELS, GLIMPSE_SAMPLES);
+    const double gain = probe::train_light_guide(world, glimpse).gain;
+    if (gain < LEAST_GLIMPSED_GAIN) return {nullptr, fmt::format("{}, at a glimpse", expected(gain))};
+  }
   const probe::TrainedLightGuide trained = probe::train_light_guide(world, training_settings(settings));
   if (!trained.guide) return {nullptr, "a training found no light that reaches what the camera sees"};
-  const std::string gain =
-      fmt::format("a training expects {:.2g} times the use of a light path", trained.gain);
-  if (settings.light_guide == LIGHT_GUIDE_AUTO && trained.gain < LEAST_GAIN)
+  const std::string gain = expected(trained.gain);
+  if (is_open && trained.gain < LEAST_GAIN)
     return {nullptr, fmt::format("{}, less than {:g}", gain, LEAST_GAIN)};
   return {trained.guide, gain};
 }

@@ -40,8 +40,8 @@ std::string why_not_regularized(const Plan& plan) {
   return fmt::format("no lobe is sharper than tau {:g} allows", plan.tau);
 }
 
-// Where the settings leave a choice open, `auto` makes it.
-void choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
+// Where the settings leave a choice open, `auto` makes it: by a guide of light paths, if it trained one.
+std::optional<LightGuideChoice> choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
   const RenderSettings& asked = plan.asked;
   if (asked.techniques) {
     plan.techniques = *asked.techniques;
@@ -50,15 +50,17 @@ void choose_what_is_open(Plan& plan, const PreparedScene& prepared) {
     const bool has_merges = (plan.techniques & TECHNIQUE_MERGE) != 0;
     plan.regularization =
         asked.regularization.value_or(has_merges ? REGULARIZATION_NONE : REGULARIZATION_ROUGHNESS);
-    return;
+    return std::nullopt;
   }
-  const TechniqueChoice choice = choose_techniques(prepared, asked);
+  TechniqueChoice choice = choose_techniques(prepared, asked);
   plan.techniques = choice.techniques;
   plan.regularization = choice.regularization & ~names::REGULARIZATION_MODES;
   plan.techniques_rule = choice.why;
-  if (asked.regularization || plan.regularization != REGULARIZATION_NONE) return;
+  if (asked.regularization || plan.regularization != REGULARIZATION_NONE)
+    return std::move(choice.light_guide);
   if (const std::string why = why_not_regularized(plan); !why.empty())
     plan.dropped.push_back({"regularization", why});
+  return std::move(choice.light_guide);
 }
 
 void plan_regularization(Plan& plan) {
@@ -108,14 +110,15 @@ bool has(const Plan& plan, uint32_t techniques) {
   return (plan.techniques & techniques) != 0;
 }
 
-void plan_light_guide(Plan& plan, const PreparedScene& prepared) {
+// @param chosen what techniques were chosen with
+void plan_light_guide(Plan& plan, const PreparedScene& prepared, std::optional<LightGuideChoice> chosen) {
   if (plan.asked.light_guide == LIGHT_GUIDE_OFF) return;
   if (!has(plan, LIGHT_SUBPATH_TECHNIQUES)) {
     if (plan.asked.light_guide == LIGHT_GUIDE_ON)
       plan.dropped.push_back({"guided emission", "no technique uses light paths"});
     return;
   }
-  LightGuideChoice choice = choose_light_guide(prepared, plan.asked);
+  LightGuideChoice choice = chosen ? std::move(*chosen) : choose_light_guide(prepared, plan.asked);
   plan.light_guide = std::move(choice.guide);
   plan.light_guide_rule = std::move(choice.why);
   if (!plan.light_guide && plan.asked.light_guide == LIGHT_GUIDE_ON)
@@ -169,14 +172,14 @@ Plan make_plan(const PreparedScene& prepared, const RenderSettings& settings) {
   plan.asked = settings;
   plan.features = prepared.features;
   plan.layers = choose_layers(prepared.scene, plan.aovs);
-  choose_what_is_open(plan, prepared);
+  std::optional<LightGuideChoice> light_guide = choose_what_is_open(plan, prepared);
   plan_regularization(plan);
   plan_techniques(plan);
   plan.light_sampling = has(plan, TECHNIQUE_NEE) ? scene::resolve_light_sampling(settings.light_sampling,
                                                                                  prepared.scene.lights.size())
                                                  : LIGHT_SAMPLING_POWER;
   plan.light_paths = settings.light_paths.value_or(settings.width * settings.height);
-  plan_light_guide(plan, prepared);
+  plan_light_guide(plan, prepared, std::move(light_guide));
   plan_shadow_roulette(plan, prepared);
   plan_walk_guide(plan, prepared);
   plan_merge_radius(plan, prepared);

@@ -121,11 +121,13 @@ const Candidate& choose(const std::vector<Candidate>& candidates) {
 
 TechniqueChoice choose_techniques(const PreparedScene& prepared, const RenderSettings& settings) {
   if (prepared.scene.lights.empty())
-    return {PATH_TRACING, REGULARIZATION_NONE, "the scene has no lights", {}};
+    return {PATH_TRACING, REGULARIZATION_NONE, "the scene has no lights", {}, {}};
   const Plan plain = plan_probe(prepared, settings, settings.regularization.value_or(REGULARIZATION_NONE));
-  if (plain.techniques == 0) return {PATH_TRACING, REGULARIZATION_NONE, "no technique finds a light", {}};
+  if (plain.techniques == 0) return {PATH_TRACING, REGULARIZATION_NONE, "no technique finds a light", {}, {}};
+  LightGuideChoice light_guide;
+  if (settings.light_guide != LIGHT_GUIDE_OFF) light_guide = choose_light_guide(prepared, settings);
   const reference::World world(prepared, plain.ndf, plain.shadowing, settings.light_sampling,
-                               plain.has_energy_compensation);
+                               plain.has_energy_compensation, light_guide.guide);
   probe::Findings findings = probe::find_paths(world, reference_settings(plain));
   Truth truth = take_truth(findings);
   std::vector<Candidate> candidates;
@@ -144,7 +146,8 @@ TechniqueChoice choose_techniques(const PreparedScene& prepared, const RenderSet
   const Candidate chosen = choose(candidates);
   std::ranges::stable_sort(candidates, {}, &Candidate::error_at_equal_time);
   return {chosen.techniques, chosen.regularization,
-          "a probe expects no other set to have much less error at equal time", std::move(candidates)};
+          "a probe expects no other set to have much less error at equal time", std::move(candidates),
+          std::move(light_guide)};
 }
 
 }  // namespace regulus::render

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "render/light_guide_choice.hpp"
 #include "render/plan.hpp"
 
 namespace regulus::render {
@@ -27,6 +28,7 @@ struct TechniqueChoice {
   uint32_t regularization = interface::REGULARIZATION_NONE;
   std::string why;                    ///< one sentence
   std::vector<Candidate> candidates;  ///< the best first; empty if there was nothing to choose
+  LightGuideChoice light_guide;       ///< what the candidates were judged with
 };
 
 /// Chooses techniques and, where the settings leave it open, regularization. A function of the scene, the

@@ -45,8 +45,12 @@ struct Request {
   bool has_strategy_images = false;
   render::RenderSettings settings;
 
-  /// What is asked for by default: the settings' own, and rays by who is fastest.
-  Request() { settings.rays = interface::RAYS_AUTO; }
+  /// What is asked for by default: the settings' own, rays by who is fastest, and guided light paths where
+  /// that pays.
+  Request() {
+    settings.rays = interface::RAYS_AUTO;
+    settings.light_guide = interface::LIGHT_GUIDE_AUTO;
+  }
 };
 
 /// What the render is asked to do once the scene is known: size, camera, techniques.

@@ -114,6 +114,8 @@ render::RenderSettings settings_of(const Side& side, render::RenderSettings base
   base.techniques = techniques == 0 ? std::nullopt : std::optional(techniques);
   base.tau = static_cast<float>(side.tau);
   if (!side.is_regularized) base.regularization = interface::REGULARIZATION_NONE;
+  // A camera that moves would wait for a training at each step.
+  if (base.light_guide == interface::LIGHT_GUIDE_AUTO) base.light_guide = interface::LIGHT_GUIDE_OFF;
   // Denoised pictures: what either denoiser can use.
   if (side.shown == Shown::Denoised)
     base.aovs |= render::AOV_ALBEDO | render::AOV_SHADING_NORMAL | render::AOV_EMISSION;

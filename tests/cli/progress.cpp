@@ -127,7 +127,7 @@ TEST_F(Progress, JsonIsAnObjectALine) {
     EXPECT_GE(line.at("samples_done").get<double>(), samples);
     samples = line.at("samples_done").get<double>();
     EXPECT_EQ(line.at("samples_total"), 1000000);
-    EXPECT_GT(line.at("samples_per_second"), 0);
+    if (samples > 0) EXPECT_GT(line.at("samples_per_second"), 0) << line;
     EXPECT_LE(line.at("seconds_left"), 2.5);
     EXPECT_TRUE(line.at("estimated_error").is_number() || line.at("estimated_error").is_null());
   }

@@ -258,6 +258,41 @@ TEST(TechniqueChoice, IsAsCheapForTheLargestFilm) {
     EXPECT_EQ(large.candidates[i].error, largest.candidates[i].error);
 }
 
+// A corner of a wide plain under a sun, behind and below a pane of glass: what passes the pane only light
+// paths find, and of those that start by power few come there.
+TEST(TechniqueChoice, IsMadeWithTheGuideThatLightPathsGet) {
+  GltfScene gltf;
+  gltf.add({quad({-30, 0, -30}, {0, 0, 60}, {60, 0, 0})}, lambert({0.5, 0.5, 0.5}));
+  gltf.add(box({18, 0.8, 18}, {22, 0.81, 22}), glass(1.5));
+  gltf.add_directional_light({0.1, -1, 0}, 2);
+  gltf.set_perspective(look_at({20, 0.4, 21.5}, {20, 0, 20}), 0.8);
+  const PreparedScene prepared = prepare(gltf);
+  render::RenderSettings settings = open_settings();
+  const auto error_of_splats = [](const render::TechniqueChoice& choice) {
+    for (const render::Candidate& candidate : choice.candidates)
+      if (candidate.techniques == (TECHNIQUE_NEE | TECHNIQUE_SPLAT) &&
+          candidate.regularization == REGULARIZATION_NONE)
+        return candidate.error;
+    return 0.0;
+  };
+  const render::TechniqueChoice plain = choose_techniques(prepared, settings);
+  EXPECT_FALSE(plain.light_guide.guide);
+  settings.light_guide = LIGHT_GUIDE_AUTO;
+  const render::TechniqueChoice guided = choose_techniques(prepared, settings);
+  ASSERT_TRUE(guided.light_guide.guide);
+  std::printf("error by splats %.3g, guided %.3g: %s\n", error_of_splats(plain), error_of_splats(guided),
+              guided.light_guide.why.c_str());
+  EXPECT_GT(error_of_splats(guided), 0);
+  EXPECT_LT(error_of_splats(guided), 0.2 * error_of_splats(plain));
+  const render::Plan plan = make_plan(prepared, settings);
+  ASSERT_TRUE(plan.light_guide);
+  EXPECT_EQ(hash_of(*plan.light_guide), hash_of(*guided.light_guide.guide));
+
+  const render::TechniqueChoice closed = choose_techniques(prepare(room(lambert({0.6, 0.6, 0.6}))), settings);
+  EXPECT_FALSE(closed.light_guide.guide);
+  EXPECT_NE(closed.light_guide.why.find("glimpse"), std::string::npos) << closed.light_guide.why;
+}
+
 TEST(TechniqueChoice, TakesWhatIsGiven) {
   const PreparedScene prepared = prepare(room(metal({0.9, 0.8, 0.7}, 0.2)));
   render::RenderSettings settings = open_settings();
