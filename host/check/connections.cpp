@@ -1,6 +1,8 @@
 // Connections, merges and splats one by one, weights included: what each of the device's carries against the
 // path's definition. The reference follows the device's walks from surface point to surface point, so that
 // its paths are the device's and only the errors of what is judged here remain.
+#include <map>
+
 #include "check/connection_checker.hpp"
 
 namespace regulus::check {
@@ -135,21 +137,31 @@ void ConnectionChecker::check_pairs(const RecordedConnections& bounce, uint32_t 
 
 void ConnectionChecker::gather_connections(const RecordedConnections& bounce, uint32_t index,
                                            std::vector<Item>& items) const {
-  std::vector<std::vector<const VisibilityCandidate*>> candidates(bounce.camera_vertices.size());
-  for (const VisibilityCandidate& candidate : bounce.connections)
-    candidates[candidate.receiver].push_back(&candidate);
+  std::vector<std::vector<uint32_t>> paired(bounce.camera_vertices.size());  // light vertices
+  for (const ConnectionPair& pair : bounce.pairs) paired[pair.slot].push_back(pair.vertex);
+  // A candidate tells of its light vertex only where it lies. Of those that its camera vertex is paired with
+  // it is the nearest, for light paths that a guide leads may all arrive within a hair's breadth of the
+  // scene's size.
+  std::map<std::pair<uint32_t, uint32_t>, dvec3> contributions;  // by camera vertex and light vertex
+  for (const VisibilityCandidate& candidate : bounce.connections) {
+    const dvec3 end = dvec3(candidate.origin) + double{candidate.t_max} * dvec3(candidate.direction);
+    double nearest = 1e-3 * subject_.world.radius();
+    uint32_t vertex = INVALID_INDEX;
+    for (const uint32_t other : paired[candidate.receiver]) {
+      const double distance = length(end - dvec3(recording_.light_vertices[other].position));
+      if (distance < nearest) {
+        nearest = distance;
+        vertex = other;
+      }
+    }
+    if (vertex != INVALID_INDEX) contributions[{candidate.receiver, vertex}] = dvec3(candidate.contribution);
+  }
   for (const ConnectionPair& pair : bounce.pairs) {
     if (!is_same_walk(bounce, pair.slot, index) || !is_same_light_walk(pair.vertex)) continue;
-    const LightVertex& light = recording_.light_vertices[pair.vertex];
-    Item item{TECHNIQUE_CONNECT, pair.slot, index + 1, owner_[pair.vertex], light.edges & PATH_VERTEX_EDGES};
-    double nearest = 1e-3 * subject_.world.radius();
-    for (const VisibilityCandidate* candidate : candidates[pair.slot]) {
-      const dvec3 end = dvec3(candidate->origin) + double{candidate->t_max} * dvec3(candidate->direction);
-      const double distance = length(end - dvec3(light.position));
-      if (distance >= nearest) continue;
-      nearest = distance;
-      item.found = dvec3(candidate->contribution);
-    }
+    Item item{TECHNIQUE_CONNECT, pair.slot, index + 1, owner_[pair.vertex],
+              recording_.light_vertices[pair.vertex].edges & PATH_VERTEX_EDGES};
+    const auto found = contributions.find({pair.slot, pair.vertex});
+    if (found != contributions.end()) item.found = found->second;
     items.push_back(item);
   }
 }

@@ -113,6 +113,15 @@ constexpr double COVER_TABLE_ERROR = 6e-6;
 // Error of the device's fit of a smooth interface's mean reflectance (fresnel_mean_position).
 constexpr double FRESNEL_FIT_ERROR = 1e-5;
 
+/// How far single precision moves a given hit: b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2 is four roundings
+/// of the vertices' size.
+double given_hit_error(const World& world, const Surface& surface) {
+  double size = 0;
+  for (const glm::vec3& vertex : placed_positions(world.scene(), surface.triangle))
+    size = std::max(size, largest_component(glm::abs(dvec3(vertex))));
+  return 4 * UNIT_ROUNDOFF * size;
+}
+
 /// A surface point as single precision has it.
 void round_surface(const World& world, Surface& surface, bool is_given, Rounding& rounding) {
   const auto move = [&](double& value) {
@@ -139,12 +148,9 @@ void round_surface(const World& world, Surface& surface, bool is_given, Rounding
         rounding.moved(surface.geometric_normal[axis], 2 * UNIT_ROUNDOFF * terms / (2 * surface.area));
   surface.geometric_normal = normalize(surface.geometric_normal);
   if (is_given) {  // otherwise the rounding of its ray has moved it
-    // b0 v0 + b1 v1 + b2 v2 with b0 = 1 - b1 - b2: four roundings of the vertices' size.
-    double size = 0;
-    for (const glm::vec3& vertex : vertices)
-      size = std::max(size, largest_component(glm::abs(dvec3(vertex))));
+    const double error = given_hit_error(world, surface);
     for (int axis = 0; axis < 3; ++axis)
-      surface.position[axis] = rounding.moved(surface.position[axis], 4 * UNIT_ROUNDOFF * size);
+      surface.position[axis] = rounding.moved(surface.position[axis], error);
   }
   surface.cover_error = rounding.moved(0, COVER_TABLE_ERROR);
   surface.fresnel_error = rounding.moved(0, FRESNEL_FIT_ERROR);
@@ -180,8 +186,13 @@ struct Walk {
       at->distance = std::max(length(at->surface.position - start->position), NO_WAY);
     if (rounding.is_on()) round_surface(world, at->surface, given != nullptr, rounding);
     WalkVertex vertex = arrive(world, at->surface, at->distance, state, cos_start, is_from_camera);
-    // Media are measured between surfaces, but the weights of single precision take the ray's own length.
-    if (rounding.is_on()) vertex.edge.distance = from_origin;
+    // Media are measured between surfaces, but the weights of single precision take the ray's own length,
+    // which knows nothing of how well the hit says where it is.
+    if (rounding.is_on())
+      vertex.edge.distance =
+          given == nullptr
+              ? from_origin
+              : std::max(rounding.moved(from_origin, given_hit_error(world, at->surface)), NO_WAY);
     return vertex;
   }
 };
