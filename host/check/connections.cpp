@@ -1,8 +1,6 @@
 // Connections, merges and splats one by one, weights included: what each of the device's carries against the
 // path's definition. The reference follows the device's walks from surface point to surface point, so that
 // its paths are the device's and only the errors of what is judged here remain.
-#include <map>
-
 #include "check/connection_checker.hpp"
 
 namespace regulus::check {

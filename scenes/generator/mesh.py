@@ -60,6 +60,14 @@ def join(mesh, other):
     mesh.triangles.extend(tuple(i + first for i in t) for t in other.triangles)
 
 
+def boxes(*corners):
+    """One mesh of boxes, each by its lowest and highest corner."""
+    mesh = Mesh([], [], [])
+    for low, high in corners:
+        join(mesh, box(low, high))
+    return mesh
+
+
 def _icosahedron():
     """Vertices of the regular icosahedron on the unit sphere, a vertex at each pole, and outward faces."""
     ring_height, ring_radius = 1.0 / math.sqrt(5.0), 2.0 / math.sqrt(5.0)

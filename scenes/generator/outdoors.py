@@ -4,7 +4,7 @@ bounds."""
 import math
 
 from .gltf import Gltf
-from .mesh import Mesh, box, join, quad, sphere
+from .mesh import Mesh, boxes, quad, sphere
 from .vec import look_at
 
 DOME_RADIUS, SKY = 400.0, (4.5, 5.2, 6.0)
@@ -12,13 +12,6 @@ WIDTH, HEIGHT, DEPTH, WALL = 5.0, 3.0, 4.0, 0.1  # of the room, inside
 WINDOW = ((-1.7, 0.6), (1.7, 2.7))  # (z, y) of its corners, in the wall at +x
 PLAIN = 1000.0
 SOFTBOX, SOFTBOX_RADIANCE = 0.8, (12.0, 11.0, 10.0)
-
-
-def boxes(*corners):
-    mesh = Mesh([], [], [])
-    for low, high in corners:
-        join(mesh, box(low, high))
-    return mesh
 
 
 def room():

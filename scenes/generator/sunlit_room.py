@@ -4,7 +4,7 @@ light paths that start over the room's roof few come in."""
 import math
 
 from .gltf import Gltf
-from .mesh import Mesh, box, join, quad, sphere
+from .mesh import box, boxes, quad, sphere
 from .vec import look_at
 
 WIDTH, HEIGHT, DEPTH, WALL = 5.0, 2.8, 4.0, 0.25  # of the room, inside: along x, y, z
@@ -13,13 +13,6 @@ SKYLIGHT = ((-1.7, -1.1), (-0.9, -0.3))           # (x, z) of its corners, in th
 PANE = 0.006                                      # thickness of the glass
 SUN_DIRECTION, SUN = (-0.70, -0.55, -0.28), 90.0  # where it shines to, W/m^2 before its colour
 SKY = (1.1, 1.5, 2.2)
-
-
-def boxes(*corners):
-    mesh = Mesh([], [], [])
-    for low, high in corners:
-        join(mesh, box(low, high))
-    return mesh
 
 
 def shell():
